@@ -1,0 +1,79 @@
+"""Every difference between the supported dolfinx versions (0.9, 0.10, 0.11) and nothing else.
+
+The rest of the package calls these functions and never asks for a version.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+from typing import Any
+
+with contextlib.suppress(ImportError):
+    # The wheel that PyPI offers keeps its libraries in this module; it has to come before dolfinx.
+    import dolfinx_solver  # noqa: F401
+
+import dolfinx
+import numpy as np
+from dolfinx import fem
+from dolfinx import mesh as dmesh
+from numpy.typing import NDArray
+
+VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+HAS_ENTITY_MAP = hasattr(dmesh, "EntityMap")  # 0.10 and later
+
+# Several ranks that compile one form wait for each other's lock file; the default of 10 s is too short for that.
+JIT_OPTIONS = {"timeout": 120}
+
+
+def facet_submesh(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> tuple[dmesh.Mesh, NDArray[np.int32], Any]:
+    """The mesh of the given facets, the parent facet of each of its cells, and the map that `form` wants."""
+    dim = domain.topology.dim - 1
+    submesh, entity_map, _, _ = dmesh.create_submesh(domain, dim, facets)
+    if HAS_ENTITY_MAP:
+        index_map = submesh.topology.index_map(dim)
+        cells = np.arange(index_map.size_local + index_map.num_ghosts, dtype=np.int32)
+        return submesh, np.asarray(entity_map.sub_topology_to_topology(cells, False), dtype=np.int32), entity_map
+    parent = np.asarray(entity_map, dtype=np.int32)
+    index_map = domain.topology.index_map(dim)
+    inverse = np.full(index_map.size_local + index_map.num_ghosts, -1, dtype=np.int32)
+    inverse[parent] = np.arange(len(parent), dtype=np.int32)
+    return submesh, parent, (submesh, inverse)
+
+
+def form(expression: Any, *entity_maps: Any) -> fem.Form:
+    """Compile a UFL form; `entity_maps` are those of `facet_submesh`."""
+    maps: Any = list(entity_maps) if HAS_ENTITY_MAP else dict(entity_maps)
+    return fem.form(expression, jit_options=JIT_OPTIONS, entity_maps=maps)
+
+
+def expression_points(element: Any) -> NDArray[np.float64]:
+    """The interpolation points of a finite element, as `fem.Expression` takes them."""
+    points = element.interpolation_points
+    return points() if isinstance(points, Callable) else points
+
+
+def coordinate_map(domain: dmesh.Mesh) -> Any:
+    """The coordinate element of the mesh, as a scalar basix element."""
+    return domain.ufl_domain().ufl_coordinate_element().basix_element
+
+
+def geometry_dofmap(domain: dmesh.Mesh) -> NDArray[np.int32]:
+    """The geometry nodes of every cell, shape (cells, nodes)."""
+    geometry = domain.geometry
+    return geometry.dofmaps[0] if VERSION >= (0, 11) else geometry.dofmap
+
+
+def gmsh_model_to_mesh(model: Any, comm: Any, rank: int, gdim: int) -> tuple[dmesh.Mesh, Any, Any, dict[str, Any]]:
+    """Mesh, cell tags, facet tags and the physical groups {name: (dimension, tag)} of a gmsh model."""
+    if VERSION >= (0, 10):
+        from dolfinx.io import gmsh as gmshio
+
+        data = gmshio.model_to_mesh(model, comm, rank, gdim=gdim)
+        domain, cell_tags, facet_tags = data.mesh, data.cell_tags, data.facet_tags
+    else:
+        from dolfinx.io import gmshio
+
+        domain, cell_tags, facet_tags = gmshio.model_to_mesh(model, comm, rank, gdim=gdim)
+    names = {model.getPhysicalName(dim, tag): (dim, tag) for dim, tag in model.getPhysicalGroups()}
+    return domain, cell_tags, facet_tags, names

@@ -1,0 +1,54 @@
+"""A contact: two named surfaces of two bodies, the layer between them and the gap before deformation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from .body import Body
+from .errors import one_of
+from .layer import Layer
+from .quadrature import RULES
+
+Gap = float | Callable[[np.ndarray], np.ndarray]
+
+
+class Contact:
+    """The possible contact zone S_αβ of two bodies.
+
+    first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
+    gap: d(x) in addition to the distance of the two meshes, a number or a function of the coordinates x (dim, points),
+    negative for an interference; quadrature: "gauss", "vertex" or "facet" (see `quadrature`);
+    quadrature_degree: another degree of exactness; name: by default "first–second" by the bodies' names.
+    """
+
+    def __init__(
+        self,
+        first: tuple[Body, str],
+        second: tuple[Body, str],
+        layer: Layer,
+        *,
+        gap: Gap = 0.0,
+        quadrature: str = "gauss",
+        quadrature_degree: int | None = None,
+        name: str | None = None,
+    ) -> None:
+        for side, value in (("first", first), ("second", second)):
+            if not (isinstance(value, tuple) and len(value) == 2 and isinstance(value[0], Body)):
+                raise TypeError(f"{side} = {value!r}: expected (body, surface name)")
+            if len(value[0].mesh.facets(value[1])) == 0:
+                raise ValueError(f"{side}: surface {value[1]!r} of body {value[0].name!r} has no facets")
+        if not isinstance(layer, Layer):
+            raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
+        one_of("quadrature", quadrature, RULES)
+        self.sides = (first, second)
+        self.layer = layer
+        self.gap = gap
+        self.quadrature = quadrature
+        self.quadrature_degree = quadrature_degree
+        self.name = name or f"{first[0].name}–{second[0].name}"
+
+    def __repr__(self) -> str:
+        zones = " and ".join(f"{body.name}.{surface}" for body, surface in self.sides)
+        return f"Contact({self.name!r}: {zones}, {self.layer!r})"

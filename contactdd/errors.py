@@ -1,0 +1,68 @@
+"""What can go wrong, by name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+class ContactError(Exception):
+    """The base of the errors that a run of the solver can end in."""
+
+
+class LooseBodyError(ContactError):
+    """A body that neither its supports nor the active contact hold.
+
+    Attributes: `body`, its name; `motion`, the free rigid motion in words.
+    """
+
+    def __init__(self, body: str, motion: str) -> None:
+        super().__init__(f"body {body!r} is held by nothing: its supports and the active contact leave {motion} free")
+        self.body = body
+        self.motion = motion
+
+
+class NotConvergedError(ContactError):
+    """A run that ended without a solution.
+
+    Attributes: `status` and `reason`, and `solution`, the last state with its history.
+    """
+
+    def __init__(self, status: str, reason: str, solution: Any) -> None:
+        super().__init__(f"{status}: {reason}")
+        self.status = status
+        self.reason = reason
+        self.solution = solution
+
+
+class MeshMismatchError(ContactError, ValueError):
+    """Two contact surfaces whose facets cannot be paired."""
+
+
+def positive(name: str, value: Any) -> float:
+    """`value` as a float, refused unless it is a finite number above zero."""
+    number = finite(name, value)
+    if number <= 0.0:
+        raise ValueError(f"{name} = {value!r}: expected a number > 0")
+    return number
+
+
+def finite(name: str, value: Any) -> float:
+    """`value` as a float, refused unless it is a finite number."""
+    if isinstance(value, bool) or not np.isscalar(value):
+        raise TypeError(f"{name} = {value!r}: expected a number")
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} = {value!r}: expected a number") from None
+    if not np.isfinite(number):
+        raise ValueError(f"{name} = {value!r}: expected a finite number")
+    return number
+
+
+def one_of(name: str, value: Any, choices: tuple[str, ...]) -> str:
+    """`value`, refused unless it is one of `choices`."""
+    if value not in choices:
+        raise ValueError(f"{name} = {value!r}: expected one of {', '.join(map(repr, choices))}")
+    return value

@@ -1,0 +1,91 @@
+"""Sparse symmetric positive definite systems by MUMPS through PETSc, with Schur complements."""
+
+from __future__ import annotations
+
+import ctypes
+from functools import cache
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from petsc4py import PETSc
+
+Floats = NDArray[np.float64]
+
+
+class Factor:
+    """The Cholesky factorisation of a symmetric positive definite matrix, refreshed for new values at its places.
+
+    With `schur`, the indices c of some unknowns, only the others (i) are eliminated: `complement` is
+    S = K_cc − K_ci K_ii⁻¹ K_ic, and `solve` works on the inner system K_ii x_i = b_i.
+    """
+
+    def __init__(self, matrix: sp.csr_matrix, schur: NDArray[np.intp] | None = None) -> None:
+        matrix.sort_indices()
+        self._csr = (matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType), matrix.data.copy())
+        self._matrix = PETSc.Mat().createAIJWithArrays(matrix.shape, self._csr, comm=PETSc.COMM_SELF)
+        self._matrix.setOption(PETSc.Mat.Option.SPD, True)
+        self._size = 0 if schur is None else len(schur)
+        self._pc = PETSc.PC().create(PETSc.COMM_SELF)
+        self._pc.setOperators(self._matrix)
+        self._pc.setType("cholesky")
+        self._pc.setFactorSolverType("mumps")
+        self._pc.setFactorSetUpSolverType()
+        if schur is not None:
+            self._set_schur(schur)
+        self._pc.setUp()
+        if schur is not None:
+            self._pc.getFactorMatrix().setMumpsIcntl(26, 0)  # from now on solve with the inner matrix only
+        self._rhs, self._solution = self._matrix.createVecs()
+
+    def update(self, values: Floats) -> None:
+        """Factor again with other values at the same places; the symbolic factorisation is kept."""
+        self._csr[2][:] = values
+        self._matrix.assemble()
+        self._pc.setOperators(self._matrix)
+        self._pc.setUp()
+
+    def solve(self, rhs: Floats) -> Floats:
+        """The solution for one right-hand side (unknowns,); with Schur unknowns, of the inner system only."""
+        self._rhs.array[:] = rhs
+        self._pc.apply(self._rhs, self._solution)
+        return self._solution.array.copy()
+
+    @property
+    def complement(self) -> Floats:
+        """The Schur complement, dense (c, c)."""
+        library, matrix, status = _petsc(), ctypes.c_void_p(), ctypes.c_int(-1)
+        _check(library.MatFactorCreateSchurComplement(self._handle(), ctypes.byref(matrix), ctypes.byref(status)))
+        pointer = ctypes.POINTER(ctypes.c_double)()
+        _check(library.MatDenseGetArrayRead(matrix, ctypes.byref(pointer)))
+        dense = np.ctypeslib.as_array(pointer, shape=(self._size**2,)).reshape(self._size, -1).copy()
+        _check(library.MatDenseRestoreArrayRead(matrix, ctypes.byref(pointer)))
+        _check(library.MatDestroy(ctypes.byref(matrix)))
+        # MUMPS fills one triangle of a symmetric complement.
+        lower, upper = np.tril(dense, -1), np.triu(dense, 1)
+        half = lower if np.any(lower) else upper.T
+        return half + half.T + np.diag(np.diag(dense))
+
+    def _handle(self) -> ctypes.c_void_p:
+        return ctypes.c_void_p(self._pc.getFactorMatrix().handle)
+
+    def _set_schur(self, schur: NDArray[np.intp]) -> None:
+        """petsc4py has no call for MatFactorSetSchurIS, so the library is asked itself."""
+        indices = PETSc.IS().createGeneral(np.asarray(schur, dtype=PETSc.IntType), comm=PETSc.COMM_SELF)
+        _check(_petsc().MatFactorSetSchurIS(self._handle(), ctypes.c_void_p(indices.handle)))
+
+
+@cache
+def _petsc() -> ctypes.CDLL:
+    """The PETSc library that petsc4py has loaded into this process."""
+    with open("/proc/self/maps") as maps:
+        for line in maps:
+            path = line.split()[-1]
+            if "/libpetsc" in path and ".so" in path:
+                return ctypes.CDLL(path)
+    raise RuntimeError("the PETSc library of petsc4py is not among the loaded libraries")
+
+
+def _check(error: int) -> None:
+    if error:
+        raise PETSc.Error(error)

@@ -1,0 +1,48 @@
+"""Data that may vary in space: a number, an array, a function of the coordinates or anything UFL understands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from dolfinx import mesh as dmesh
+
+#: What a user may give for a load or a prescribed displacement.
+Field = float | list[float] | tuple[float, ...] | np.ndarray | Callable[[np.ndarray], Any] | ufl.core.expr.Expr
+
+
+def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], degree: int) -> Any:
+    """`value` as a UFL coefficient of the given shape on `domain`.
+
+    Numbers become `fem.Constant`s, so that another value never compiles another form. Functions take coordinates
+    x (3, points) as dolfinx's do and are interpolated by polynomials of `degree`.
+    """
+    if isinstance(value, ufl.core.expr.Expr):
+        if value.ufl_shape != shape:
+            raise ValueError(f"{name}: expected a UFL expression of shape {shape}, got {value.ufl_shape}")
+        return value
+    if callable(value):
+        function = fem.Function(fem.functionspace(domain, ("Discontinuous Lagrange", degree, shape)))
+        function.interpolate(lambda x: evaluate(name, value, x, shape))
+        return function
+    array = np.asarray(value, dtype=float)
+    if array.shape != shape or not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} = {value!r}: expected finite values of shape {shape}")
+    return fem.Constant(domain, array if shape else float(array))
+
+
+def evaluate(name: str, value: Field, x: np.ndarray, shape: tuple[int, ...] = ()) -> np.ndarray:
+    """`value` at the points x (dim, n): an array of `shape` + (n,), checked to be finite."""
+    raw = value(x) if callable(value) else np.asarray(value, dtype=float)
+    array = np.asarray(raw, dtype=float)
+    if array.shape == shape:
+        array = np.broadcast_to(array.reshape((*shape, 1)), (*shape, x.shape[1]))
+    if array.shape != (*shape, x.shape[1]):
+        raise ValueError(f"{name}: expected values of shape {(*shape, x.shape[1])}, got {array.shape}")
+    if not np.all(np.isfinite(array)):
+        worst = int(np.argmin(np.isfinite(array).reshape(-1, x.shape[1]).all(axis=0)))
+        raise ValueError(f"{name}: not finite at x = {x[:, worst]}")
+    return np.array(array)

@@ -1,0 +1,74 @@
+"""What happened in each iteration, as arrays and as a table."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import astuple, dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Record:
+    """One iteration.
+
+    iteration: from 1; gamma: γ^k; change: the largest over the bodies of ‖u_n^{k+1} − u_n^k‖₂ / ‖u_n^{k+1}‖₂;
+    residual: ‖F₁'(u^k)‖ relative to the forces at work; energy: F₁(u^k); contact: the area where z^k < 0;
+    phi_min, phi_max: the range of φ^k; seconds: CPU time since the start.
+    """
+
+    iteration: int
+    gamma: float
+    change: float
+    residual: float
+    energy: float
+    contact: float
+    phi_min: float
+    phi_max: float
+    seconds: float
+
+
+COLUMNS = tuple(field.name for field in fields(Record))
+
+
+class History:
+    """The records of a run; each column is an attribute: `history.change` is an array (iterations,)."""
+
+    def __init__(self) -> None:
+        self._records: list[Record] = []
+
+    def append(self, record: Record) -> None:
+        self._records.append(record)
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+    def __iter__(self) -> Iterator[Record]:
+        return iter(self._records)
+
+    def __getitem__(self, index: int) -> Record:
+        return self._records[index]
+
+    def __getattr__(self, name: str) -> NDArray[np.float64]:
+        if name not in COLUMNS:
+            raise AttributeError(f"{name!r}: expected one of {', '.join(COLUMNS)}")
+        return np.array([getattr(record, name) for record in self._records])
+
+    def table(self, last: int | None = None) -> str:
+        """The (last) iterations as text."""
+        rows = self._records if last is None else self._records[-last:]
+        head = " ".join(f"{name:>11}" for name in COLUMNS)
+        return "\n".join([head] + [" ".join(_cell(value) for value in astuple(row)) for row in rows])
+
+    def __repr__(self) -> str:
+        return f"History of {len(self)} iterations\n{self.table(last=10)}"
+
+    def _repr_html_(self) -> str:
+        cells = [[f"<td>{_cell(value)}</td>" for value in astuple(row)] for row in self._records]
+        head = "".join(f"<th>{name}</th>" for name in COLUMNS)
+        return f"<table><tr>{head}</tr>{''.join('<tr>' + ''.join(row) + '</tr>' for row in cells)}</table>"
+
+
+def _cell(value: float) -> str:
+    return f"{value:>11d}" if isinstance(value, int) else f"{value:>11.4g}"

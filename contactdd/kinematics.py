@@ -1,0 +1,101 @@
+"""Which strains a body can have: plane strain, plane stress or a solid in space.
+
+Each kind says which of the six Voigt components take part, how the stiffness reduces to them, and how they follow
+from the displacement (3). Everything else in the package is the same for all of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import ufl
+from numpy.typing import NDArray
+
+from .errors import one_of
+from .material import VOIGT
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """A kind of deformation: its name, its dimension, the Voigt components of strain that are free, and whether the
+    other stresses (not the other strains) vanish."""
+
+    name: str
+    dim: int
+    components: tuple[int, ...]
+    stress_free: bool = False
+
+    def reduce(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The stiffness between the free components, from the full 6 × 6 matrix.
+
+        The other strains vanish, or, where `stress_free`, they adjust until their stresses do (static condensation).
+        """
+        kept = list(self.components)
+        block = stiffness[np.ix_(kept, kept)]
+        if not self.stress_free:
+            return block
+        rest = [i for i in range(6) if i not in kept]
+        coupling = stiffness[np.ix_(kept, rest)]
+        return block - coupling @ np.linalg.solve(stiffness[np.ix_(rest, rest)], coupling.T)
+
+    def full_stress(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The matrix from the free strains to all six stresses, (6, free components)."""
+        kept = list(self.components)
+        if not self.stress_free:
+            return stiffness[:, kept]
+        matrix = np.zeros((6, len(kept)))
+        matrix[kept] = self.reduce(stiffness)
+        return matrix
+
+    def strain(self, u: Any) -> Any:
+        """The engineering strains of the free components, as a UFL vector (3)."""
+        epsilon = ufl.sym(ufl.grad(u))
+        pairs = [VOIGT[i] for i in self.components]
+        return ufl.as_vector([epsilon[i, j] if i == j else 2 * epsilon[i, j] for i, j in pairs])
+
+    def rigid_modes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacements of the rigid motions at points x (n, 3), shape (n, dim, modes).
+
+        Translations first, then rotations about the centre of the points, made of the order one by their size.
+        """
+        centred = (x - x.mean(axis=0))[:, : self.dim]
+        centred = centred / max(np.abs(centred).max(initial=0.0), np.finfo(float).tiny)
+        translations = [np.tile(axis, (len(x), 1)) for axis in np.eye(self.dim)]
+        rotations = []
+        for i, j in ((1, 0),) if self.dim == 2 else ((2, 1), (0, 2), (1, 0)):
+            spin = np.zeros((self.dim, self.dim))
+            spin[i, j], spin[j, i] = 1.0, -1.0
+            rotations.append(centred @ spin.T)
+        return np.stack(translations + rotations, axis=-1)
+
+    def describe(self, mode: Sequence[float]) -> str:
+        """A rigid motion, given by its coefficients in `rigid_modes`, in words."""
+        axes = "xyz"[: self.dim]
+        names = [f"translation along {axis}" for axis in axes]
+        names += ["rotation in the plane"] if self.dim == 2 else [f"rotation about {axis}" for axis in axes]
+        weights = np.abs(np.asarray(mode))
+        return " with ".join(name for name, weight in zip(names, weights, strict=True) if weight > 0.1 * weights.max())
+
+
+KINEMATICS = {
+    kind.name: kind
+    for kind in (
+        Kinematics("plane strain", 2, (0, 1, 5)),
+        Kinematics("plane stress", 2, (0, 1, 5), stress_free=True),
+        Kinematics("solid", 3, (0, 1, 2, 3, 4, 5)),
+    )
+}
+
+
+def kinematics(name: str | None, dim: int) -> Kinematics:
+    """The kinematics of that name; by default plane strain in the plane and a solid in space."""
+    if name is None:
+        name = "plane strain" if dim == 2 else "solid"
+    one_of("kinematics", name, tuple(KINEMATICS))
+    kind = KINEMATICS[name]
+    if kind.dim != dim:
+        raise ValueError(f"kinematics = {name!r}: it needs a mesh of dimension {kind.dim}, not {dim}")
+    return kind

@@ -1,0 +1,21 @@
+"""The step length that minimises the convex energy F₁ (13) along a correction."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from scipy.optimize import brentq
+
+
+def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) -> float:
+    """The t > 0 at which the slope of a convex function along a descent direction vanishes.
+
+    slope: dF₁/dt, which never decreases and is negative at 0. The largest step tried is returned if it stays negative.
+    """
+    upper = 1.0
+    while slope(upper) < 0.0:
+        if upper >= largest:
+            return upper
+        upper *= 2.0
+    # The step need not be exact: a thousandth of it is far below what it changes in the next correction.
+    return float(brentq(slope, 0.0, upper, xtol=1e-12, rtol=1e-3))

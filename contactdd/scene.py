@@ -1,0 +1,100 @@
+"""A scene: all bodies and the contacts between them, checked, and the convex energy F₁ (13) that they minimise."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .body import Body
+from .contact import Contact
+from .errors import one_of
+from .interface import Interface, discretise
+from .subproblem import CondensedSubproblem, Subproblem
+
+Floats = NDArray[np.float64]
+
+LOCAL_SOLVERS = ("condensed", "assembled")
+
+
+class Scene:
+    """Bodies and contacts. What does not change between solves is made when first needed and kept."""
+
+    def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact]) -> None:
+        self.bodies = tuple(bodies)
+        self.contacts = tuple(contacts)
+        self._check()
+        self._subproblems: dict[str, list[Subproblem]] = {}
+
+    def __repr__(self) -> str:
+        lines = [f"Scene of {len(self.bodies)} bodies and {len(self.contacts)} contacts"]
+        return "\n  ".join(lines + [repr(item) for item in (*self.bodies, *self.contacts)])
+
+    @cached_property
+    def interfaces(self) -> list[Interface]:
+        """The discretised contacts, in order."""
+        places = {id(body): place for place, body in enumerate(self.bodies)}
+        return [discretise(c, (places[id(c.sides[0][0])], places[id(c.sides[1][0])])) for c in self.contacts]
+
+    def subproblems(self, local_solver: str) -> list[Subproblem]:
+        """Every body's linear problem, in order, "assembled" or "condensed"."""
+        one_of("local_solver", local_solver, LOCAL_SOLVERS)
+        if local_solver not in self._subproblems:
+            if local_solver == "assembled":
+                made = [Subproblem(body, place, self.interfaces) for place, body in enumerate(self.bodies)]
+            else:
+                made = [CondensedSubproblem(problem) for problem in self.subproblems("assembled")]
+            self._subproblems[local_solver] = made
+        return self._subproblems[local_solver]
+
+    def gaps(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats]) -> list[Floats]:
+        """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
+        gaps = [interface.gap.copy() for interface in self.interfaces]
+        for problem, y in zip(problems, unknowns, strict=True):
+            for port in problem.ports:
+                gaps[port.interface] -= port.trace @ y + port.offset
+        return gaps
+
+    def tractions(self, gaps: Sequence[Floats]) -> list[Floats]:
+        """The contact stresses g⁻(z) times the points' areas."""
+        return [i.weights * i.contact.layer.contact_stress(z) for i, z in zip(self.interfaces, gaps, strict=True)]
+
+    def layer_energy(self, gaps: Sequence[Floats]) -> float:
+        """J = Σ ∫ ∫₀^z g⁻."""
+        return sum(
+            float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True)
+        )
+
+    def energy(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats], gaps: Sequence[Floats]) -> float:
+        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
+        return sum(p.energy(y) for p, y in zip(problems, unknowns, strict=True)) + self.layer_energy(gaps)
+
+    def _check(self) -> None:
+        for name, count in Counter(body.name for body in self.bodies).items():
+            if count > 1:
+                raise ValueError(f"bodies: the name {name!r} is used {count} times; expected names used once")
+        for name, count in Counter(contact.name for contact in self.contacts).items():
+            if count > 1:
+                raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
+        used: dict[tuple[int, int], str] = {}
+        for contact in self.contacts:
+            self._check_contact(contact, used)
+
+    def _check_contact(self, contact: Contact, used: dict[tuple[int, int], str]) -> None:
+        """The bodies of a contact are the scene's, and no facet is in two contacts."""
+        if contact.sides[0][0] is contact.sides[1][0]:
+            raise ValueError(f"contact {contact.name!r}: expected two different bodies")
+        for body, surface in contact.sides:
+            if not any(body is other for other in self.bodies):
+                raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
+            for facet in body.mesh.facets(surface):
+                key = (id(body), int(facet))
+                if key in used:
+                    raise ValueError(
+                        f"contact {contact.name!r}: surface {surface!r} of body {body.name!r} has facets that contact "
+                        f"{used[key]!r} uses already"
+                    )
+                used[key] = contact.name

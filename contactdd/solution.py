@@ -1,0 +1,242 @@
+"""What a solve returns: displacements, contact pressures and gaps, energies, stresses, and how it went."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from . import compat
+from .body import Body
+from .contact import Contact
+from .history import History
+from .interface import Interface, discretise
+
+if TYPE_CHECKING:
+    from .scene import Scene
+    from .subproblem import Subproblem
+
+Floats = NDArray[np.float64]
+STRESSES = ("xx", "yy", "zz", "yz", "xz", "xy")
+
+
+@dataclass(frozen=True)
+class ContactResult:
+    """A contact at n points.
+
+    x: (n, dim) where; weights: (n,) areas; gap: (n,) the deformed gap z = d − u_αn − u_βn (length); compression: (n,)
+    the layer's w = min(z, 0); pressure: (n,) −σ_n >= 0 (stress); normal: (n, dim) outward of the first body.
+    """
+
+    x: Floats
+    normal: Floats
+    weights: Floats
+    gap: Floats
+    compression: Floats
+    pressure: Floats
+
+    @property
+    def closed(self) -> NDArray[np.bool_]:
+        """Where the layer is compressed, (n,)."""
+        return self.gap < 0.0
+
+    @property
+    def force(self) -> float:
+        """∫ p ds: per unit thickness in the plane."""
+        return float(self.weights @ self.pressure)
+
+    @property
+    def area(self) -> float:
+        """The area in contact."""
+        return float(self.weights[self.closed].sum())
+
+    def __repr__(self) -> str:
+        return f"ContactResult({len(self.x)} points, peak pressure {self.pressure.max():.6g}, force {self.force:.6g})"
+
+
+class Solution:
+    """The result of `solve`.
+
+    status: "converged", "iteration limit", "stalled", "diverged" or "stopped"; reason: in words; history: of the
+    iterations; method: the scheme's name.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        problems: Sequence[Subproblem],
+        unknowns: Sequence[Floats],
+        history: History,
+        status: str,
+        reason: str,
+        method: str,
+    ) -> None:
+        self.scene, self.history, self.status, self.reason, self.method = scene, history, status, reason, method
+        self._problems, self._unknowns = problems, unknowns
+        self._gaps = scene.gaps(problems, unknowns)
+        self._displacements: dict[str, fem.Function] = {}
+
+    @property
+    def converged(self) -> bool:
+        return self.status == "converged"
+
+    @property
+    def iterations(self) -> int:
+        return len(self.history)
+
+    def displacement(self, body: str | Body) -> fem.Function:
+        """The displacement of a body (length), a dolfinx function."""
+        place = self._place(body)
+        name = self.scene.bodies[place].name
+        if name not in self._displacements:
+            function = fem.Function(self.scene.bodies[place].space, name="displacement")
+            function.x.array[:] = self._problems[place].displacement(self._unknowns[place])
+            self._displacements[name] = function
+        return self._displacements[name]
+
+    def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
+        """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
+        index = self._contact_index(contact)
+        interface, gaps = self.scene.interfaces[index], self._gaps[index]
+        if degree is not None:
+            interface = self._resampled(index, degree)
+            gaps = interface.gap.copy()
+            for side in interface.sides:
+                gaps -= side.trace @ self.displacement(self.scene.bodies[side.body]).x.array
+        stress = interface.contact.layer.contact_stress(gaps)
+        return ContactResult(interface.x, interface.normal, interface.weights, gaps, np.minimum(gaps, 0.0), -stress)
+
+    def elastic_energy(self, body: str | Body | None = None) -> float:
+        """½ a(u, u) of a body, or of all of them."""
+        if body is None:
+            return sum(self.elastic_energy(each) for each in self.scene.bodies)
+        u = self.displacement(body).x.array
+        return float(0.5 * u @ (self._problems[self._place(body)].full_stiffness @ u))
+
+    @property
+    def layer_energy(self) -> float:
+        """J, the energy of all layers."""
+        return self.scene.layer_energy(self._gaps)
+
+    @property
+    def energy(self) -> float:
+        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
+        return self.scene.energy(self._problems, self._unknowns, self._gaps)
+
+    def stress(self, body: str | Body) -> fem.Function:
+        """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells."""
+        owner = self.scene.bodies[self._place(body)]
+        degree = max(owner.degree - 1, 0)
+        space = fem.functionspace(owner.mesh.domain, ("Discontinuous Lagrange", degree, (6,)))
+        matrix = fem.Constant(owner.mesh.domain, owner.kinematics.full_stress(owner.material.stiffness()))
+        strain = owner.kinematics.strain(self.displacement(owner))
+        expression = fem.Expression(ufl.dot(matrix, strain), compat.expression_points(space.element))
+        function = fem.Function(space, name="stress")
+        function.interpolate(expression)
+        return function
+
+    def forces(self, body: str | Body) -> dict[str, Floats]:
+        """The resultants on a body, each (dim,): "loads", "contact" and "supports" (the reactions); they sum to zero."""
+        place = self._place(body)
+        problem, dim = self._problems[place], self.scene.bodies[place].mesh.dim
+        loads = problem.full_load
+        contact = self._contact_load(place)
+        supports = problem.full_stiffness @ self.displacement(body).x.array - loads - contact
+        # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
+        supports = supports - problem.basis @ (problem.basis.T @ supports)
+        parts = {"loads": loads, "contact": contact, "supports": supports}
+        return {name: vector.reshape(-1, dim).sum(axis=0) for name, vector in parts.items()}
+
+    @cached_property
+    def imbalance(self) -> float:
+        """The largest force on a body that nothing balances, relative to the largest force at work."""
+        sums, largest = [], 0.0
+        for body in self.scene.bodies:
+            forces = self.forces(body)
+            sums.append(np.linalg.norm(sum(forces.values())))
+            largest = max(largest, *(float(np.linalg.norm(force)) for force in forces.values()))
+        return float(max(sums) / largest) if largest > 0.0 else 0.0
+
+    @cached_property
+    def residual(self) -> float:
+        """‖F₁'(u)‖ over all free displacements relative to the loads and contact forces, found from the fields anew."""
+        total = scale = 0.0
+        for place, (problem, body) in enumerate(zip(self._problems, self.scene.bodies, strict=True)):
+            contact = self._contact_load(place)
+            elastic = problem.full_stiffness @ self.displacement(body).x.array
+            total += float(np.sum((problem.basis.T @ (problem.full_load + contact - elastic)) ** 2))
+            scale += float(problem.full_load @ problem.full_load + contact @ contact)
+        return float(np.sqrt(total / scale)) if total > 0.0 else 0.0
+
+    def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
+        """Pressure and gap along a contact: a matplotlib figure."""
+        from .plot import plot_contact
+
+        return plot_contact(self, contact, **options)
+
+    def plot_bodies(self, **options: Any) -> Any:
+        """The deformed bodies coloured by a stress: a pyvista plotter, or a picture file with `path`."""
+        from .plot import plot_bodies
+
+        return plot_bodies(self, **options)
+
+    def plot(self) -> Any:
+        """The deformed bodies and every contact's curves."""
+        from .plot import plot
+
+        return plot(self)
+
+    def export(self, folder: str | Path) -> list[Path]:
+        """Write displacement and stress of every body for ParaView; the files written."""
+        from .export import export
+
+        return export(self, folder)
+
+    def __repr__(self) -> str:
+        lines = [f"Solution by {self.method!r}: {self.status} ({self.reason})"]
+        for contact in self.scene.contacts:
+            lines.append(f"  {contact.name}: {self.contact(contact)!r}")
+        lines.append(f"  energy F₁ {self.energy:.8g}, weak residual {self.residual:.1e}, imbalance {self.imbalance:.1e}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><td>{c.name}</td><td>{r.pressure.max():.6g}</td><td>{r.force:.6g}</td><td>{r.area:.6g}</td></tr>"
+            for c, r in ((c, self.contact(c)) for c in self.scene.contacts)
+        )
+        head = "<tr><th>contact</th><th>peak pressure</th><th>force</th><th>area in contact</th></tr>"
+        return f"<p><b>{self.status}</b>: {self.reason} ({self.method})</p><table>{head}{rows}</table>"
+
+    def _contact_load(self, place: int) -> Floats:
+        """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
+        tractions = self.scene.tractions(self._gaps)
+        total = np.zeros_like(self._problems[place].full_load)
+        for port in self._problems[place].ports:
+            total += port.side.trace.T @ tractions[port.interface]
+        return total
+
+    def _resampled(self, index: int, degree: int) -> Interface:
+        """The contact at Gauss points of another degree."""
+        contact, places = self.scene.contacts[index], [side.body for side in self.scene.interfaces[index].sides]
+        finer = Contact(*contact.sides, contact.layer, gap=contact.gap, quadrature="gauss", quadrature_degree=degree)
+        return discretise(finer, (places[0], places[1]))
+
+    def _place(self, body: str | Body) -> int:
+        for place, other in enumerate(self.scene.bodies):
+            if other is body or other.name == body:
+                return place
+        raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.scene.bodies)}")
+
+    def _contact_index(self, contact: str | int | Contact) -> int:
+        for index, other in enumerate(self.scene.contacts):
+            if other is contact or contact in (index, other.name):
+                return index
+        known = ", ".join(repr(other.name) for other in self.scene.contacts)
+        raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")

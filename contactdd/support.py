@@ -1,0 +1,151 @@
+"""Supports: which displacements are prescribed, and the affine space u = Z y + u₀ that this leaves to a body."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.sparse as sp
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from .field import Field, evaluate
+from .trace import facet_entities, facet_points
+
+if TYPE_CHECKING:
+    from .body import Body
+
+Floats = NDArray[np.float64]
+# One prescribed component: nodes (n,), a unit direction (dim,) and the values (n,) of u·direction at the nodes.
+Condition = tuple[NDArray[np.int32], Floats, Floats]
+
+
+@dataclass(frozen=True)
+class Fixed:
+    """No displacement at all on the named surfaces, eq. (5)."""
+
+    surfaces: tuple[str, ...]
+
+    def __init__(self, *surfaces: str) -> None:
+        object.__setattr__(self, "surfaces", surfaces)
+
+    def conditions(self, body: Body) -> Iterator[Condition]:
+        for surface in self.surfaces:
+            nodes = surface_nodes(body, surface)
+            for axis in np.eye(body.mesh.dim):
+                yield nodes, axis, np.zeros(len(nodes))
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """No normal displacement and no shear on the named surfaces, each of which has to be flat."""
+
+    surfaces: tuple[str, ...]
+
+    def __init__(self, *surfaces: str) -> None:
+        object.__setattr__(self, "surfaces", surfaces)
+
+    def conditions(self, body: Body) -> Iterator[Condition]:
+        for surface in self.surfaces:
+            nodes = surface_nodes(body, surface)
+            yield nodes, _plane_normal(body, surface), np.zeros(len(nodes))
+
+
+@dataclass(frozen=True)
+class Displacement:
+    """Prescribed displacements on a named surface: one value per coordinate, None where it is free.
+
+    A value is a number or a function of the coordinates x (3, points).
+    """
+
+    surface: str
+    values: Sequence[Field | None]
+
+    def conditions(self, body: Body) -> Iterator[Condition]:
+        if len(self.values) != body.mesh.dim:
+            raise ValueError(f"values = {self.values!r}: expected {body.mesh.dim} entries (None where free)")
+        nodes = surface_nodes(body, self.surface)
+        x = body.space.tabulate_dof_coordinates()[nodes].T
+        for axis, value in zip(np.eye(body.mesh.dim), self.values, strict=True):
+            if value is not None:
+                yield nodes, axis, evaluate("displacement", value, x)
+
+
+Support = Fixed | Symmetry | Displacement
+
+
+def surface_nodes(body: Body, surface: str) -> NDArray[np.int32]:
+    """The nodes (blocks of degrees of freedom) of a body on one of its named surfaces."""
+    return fem.locate_dofs_topological(body.space, body.mesh.dim - 1, body.mesh.facets(surface))
+
+
+def affine_space(body: Body) -> tuple[sp.csr_matrix, Floats]:
+    """(Z, u₀) with u = Z y + u₀ for every displacement that the supports of the body allow.
+
+    Z has orthonormal columns, shape (dofs, free dofs); it only selects where all prescribed directions are axes.
+    """
+    dim, nodes = body.mesh.dim, body.space.dofmap.index_map.size_local
+    conditions = [condition for support in body.supports for condition in support.conditions(body)]
+    fixed, offset = np.zeros((nodes, dim), dtype=bool), np.zeros((nodes, dim))
+    tilted: dict[int, list[tuple[Floats, float]]] = {}
+    for where, direction, values in conditions:
+        axis = int(np.argmax(np.abs(direction)))
+        if abs(direction[axis]) > 1 - 1e-12:
+            values = values * np.sign(direction[axis])
+            _refuse_conflict(body, fixed[where, axis] & (np.abs(offset[where, axis] - values) > 1e-12 * np.ptp(values)))
+            fixed[where, axis], offset[where, axis] = True, values
+        else:
+            for node, value in zip(where, values, strict=True):
+                tilted.setdefault(int(node), []).append((direction, float(value)))
+    blocks = {node: _node_space(body, fixed[node], offset[node], rows) for node, rows in tilted.items()}
+    return _assemble(fixed, blocks), offset.ravel()
+
+
+def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list[tuple[Floats, float]]) -> Floats:
+    """The free directions of a node with tilted conditions (dim, free); writes the node's offset in place."""
+    axes = np.eye(len(fixed))[fixed]
+    directions = np.vstack([axes, *(direction for direction, _ in rows)])
+    values = np.concatenate([offset[fixed], [value for _, value in rows]])
+    _, singular, right = np.linalg.svd(directions)
+    rank = int(np.sum(singular > 1e-8))
+    offset[:] = np.linalg.lstsq(directions, values, rcond=1e-8)[0]
+    _refuse_conflict(body, np.abs(directions @ offset - values) > 1e-10 * np.abs(values).max(initial=1e-300))
+    return right[rank:].T
+
+
+def _refuse_conflict(body: Body, conflict: NDArray[np.bool_]) -> None:
+    if np.any(conflict):
+        raise ValueError(f"supports of body {body.name!r}: two of them prescribe different displacements of one point")
+
+
+def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> sp.csr_matrix:
+    """Z from the axis-aligned conditions and the nodes' own blocks."""
+    dim = fixed.shape[1]
+    selected = ~fixed
+    selected[list(blocks)] = False
+    rows = [np.flatnonzero(selected)]
+    columns, values = [np.arange(len(rows[0]))], [np.ones(len(rows[0]))]
+    size = len(rows[0])
+    for node, block in blocks.items():
+        free = block.shape[1]
+        rows.append(np.repeat(node * dim + np.arange(dim), free))
+        columns.append(np.tile(size + np.arange(free), dim))
+        values.append(block.ravel())
+        size += free
+    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
+    return sp.csr_matrix(entries, shape=(fixed.size, size))
+
+
+def _plane_normal(body: Body, surface: str) -> Floats:
+    """The outward normal of a flat surface; a curved one is refused."""
+    entities = facet_entities(body.mesh.domain, body.mesh.facets(surface))
+    middle = np.full((len(entities), body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
+    normals = facet_points(body.mesh.domain, entities, middle).normal
+    mean = normals.mean(axis=0)
+    mean /= max(float(np.linalg.norm(mean)), 1e-300)
+    if np.abs(normals - mean).max() > 1e-8:  # a mesh's coordinates may have been rounded to eight digits in a file
+        raise ValueError(f"surface = {surface!r} of body {body.name!r}: expected a flat surface for a symmetry plane")
+    mean[np.abs(mean) < 1e-8] = 0.0
+    return mean / np.linalg.norm(mean)
