@@ -9,9 +9,9 @@ import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from .errors import LooseBodyError
 from .factor import Factor
 from .interface import Interface
+from .rigid import Resistance, RigidMotions
 from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
@@ -27,37 +27,36 @@ class CoupledSystem:
         blocks = [problem.stiffness for problem in problems]
         self._stiffness = scipy.linalg.block_diag(*blocks) if self._dense else sp.block_diag(blocks, format="csr")
         self._sums = [self._sum_of_traces(index) for index in range(len(interfaces))]
-        self._modes = scipy.linalg.block_diag(*(problem.rigid_modes for problem in problems))
-        self._mode_sums = [total @ self._modes for total in self._sums]
+        self._rigid = self._rigid_motions()
 
-    def correct(self, phi: Mapping[int, Floats], residuals: Sequence[Floats]) -> list[Floats]:
-        """The Newton correction of every body's unknowns. Raises LooseBodyError where something moves freely."""
-        self.check_held(phi)
+    def correct(self, phi: Mapping[int, Floats], residuals: Sequence[Floats], scale: float) -> list[Floats]:
+        """The Newton correction of every body's unknowns.
+
+        phi: the coefficient at the points of each interface; scale: the size of the forces at work. Raises
+        LooseBodyError where nothing holds the bodies.
+        """
         matrix, rhs = self._stiffness, np.concatenate(residuals)
+        ground = np.zeros(len(rhs))
+        ground[self._rigid.ground(phi, rhs, scale)] = self._rigid.largest
         for index, total in enumerate(self._sums):
             term = total.T @ sp.diags(self._interfaces[index].weights * phi[index]) @ total
             matrix = matrix + (term.toarray() if self._dense else term)
         if self._dense:
+            matrix.ravel()[:: len(rhs) + 1] += ground
             correction = scipy.linalg.solve(matrix, rhs, assume_a="pos", overwrite_a=True)
         else:
-            correction = Factor(matrix.tocsr()).solve(rhs)
+            correction = Factor((matrix + sp.diags(ground)).tocsr()).solve(rhs)
         return np.split(correction, self._ends[:-1])
 
-    def check_held(self, phi: Mapping[int, Floats]) -> None:
-        """Raise LooseBodyError if some rigid motion of the bodies together meets no resistance."""
-        if self._modes.shape[1] == 0:
-            return
-        held = scipy.linalg.block_diag(*(problem._mode_stiffness for problem in self._problems))
-        for index, modes in enumerate(self._mode_sums):
-            held += modes.T @ ((self._interfaces[index].weights * phi[index])[:, None] * modes)
-        values, vectors = np.linalg.eigh(held)
-        if values[0] > 1e-14 * max(problem._largest_stiffness for problem in self._problems):
-            return
-        ends = np.cumsum([problem.rigid_modes.shape[1] for problem in self._problems])
-        parts = np.split(vectors[:, 0], ends[:-1])
-        worst = int(np.argmax([np.linalg.norm(part) for part in parts]))
-        problem = self._problems[worst]
-        raise LooseBodyError(problem.body.name, problem.body.kinematics.describe(problem._mode_names @ parts[worst]))
+    def _rigid_motions(self) -> RigidMotions:
+        """The rigid motions of all bodies; a contact resists those that change its gap."""
+        modes = scipy.linalg.block_diag(*(problem.rigid.modes for problem in self._problems))
+        contacts = [
+            Resistance(index, np.sqrt(interface.weights)[:, None] * (total @ modes))
+            for index, (interface, total) in enumerate(zip(self._interfaces, self._sums, strict=True))
+        ]
+        owners = [problem.rigid.owners[0] for problem in self._problems]
+        return RigidMotions(modes, self._stiffness, contacts, owners)
 
     def _sum_of_traces(self, index: int) -> sp.csr_matrix:
         """The operator from all unknowns to u_αn + u_βn at the points of an interface."""

@@ -1,11 +1,12 @@
 """Nonlinear Winkler layers: the law σ_n = g(w) of stress and compression, eqs (7), (8), (10), (14).
 
-The sign convention is the paper's: w < 0 and σ_n < 0 in compression.  Stresses and lengths are in the
-user's own consistent set of units.  A law is described by what it does in compression; for w > 0, which
+The sign convention is the paper's: w < 0 and σ_n < 0 in compression. Stresses and lengths are in the
+user's own consistent set of units. A law is described by what it does in compression; for w > 0, which
 contact never asks for, g is the odd extension g(-w) = -g(w).
 
-Every method takes scalars or arrays of any shape, works element by element, returns a float64 array of that
-shape and hands NaN on, so that a diverging iteration is noticed instead of being read as an open gap.
+Every method takes scalars or arrays of any shape, works element by element, returns a float64 array of
+that shape and hands NaN on, so that a diverging iteration is noticed instead of being read as an open
+gap.
 """
 
 from __future__ import annotations
@@ -31,7 +32,8 @@ Function = Callable[[Array], ArrayLike]
 class Layer(ABC):
     """A layer law: σ_n = g(w) with g(0) = 0 and g strictly increasing, eq. (7).
 
-    A subclass gives five functions of the magnitudes c = -w ≥ 0 (compression) and p = -g(w) ≥ 0 (pressure).
+    A subclass gives five functions of the magnitudes c = -w ≥ 0 (compression) and p = -g(w) ≥ 0
+    (pressure).
     """
 
     @abstractmethod
@@ -78,8 +80,8 @@ class Layer(ABC):
     def divided_difference(self, y: ArrayLike, z: ArrayLike) -> Array:
         """[g⁻(y) - g⁻(z)] / (y - z) of eqs (26), (27), (32), (36) (stress / length, ≥ 0).
 
-        Free of cancellation: as y → z it tends to χ g'(z), which is also the value at y = z.  Symmetric to
-        the last bit.  `y` and `z` broadcast.
+        Free of cancellation: as y → z it tends to χ g'(z), which is also the value at y = z. Symmetric
+        to the last bit. `y` and `z` broadcast.
         """
         y, z = np.broadcast_arrays(np.asarray(y, dtype=float), np.asarray(z, dtype=float))
         low, high = np.minimum(y, z), np.maximum(y, z)
@@ -113,8 +115,8 @@ class Layer(ABC):
 class PowerLayer(Layer):
     """The paper's layer g(w) = B^(-1/a) sgn(w) |w|^(1/a), that is |w| = B |σ_n|^a.
 
-    B > 0 has the unit length / stress^a; a > 0 has none.  g'(0) is infinite for a > 1, 1/B for a = 1 and 0
-    for a < 1.  Raises TypeError or ValueError if B or a isn't a positive finite number.
+    B > 0 has the unit length / stress^a; a > 0 has none.  g'(0) is infinite for a > 1, 1/B for a = 1
+    and 0 for a < 1. Raises TypeError or ValueError if B or a isn't a positive finite number.
 
     >>> layer = PowerLayer(B=4e-6, a=1.1)
     >>> print(f"{layer.compression(-10.0):.4e}")
@@ -138,7 +140,7 @@ class PowerLayer(Layer):
         return chord / self.a
 
     def _secant(self, deep: Array, shallow: Array) -> Array:
-        # With r = shallow/deep the quotient is p(deep)/deep · (1 - r^(1/a)) / (1 - r).  Near r = 1 log r
+        # With r = shallow/deep the quotient is p(deep)/deep · (1 - r^(1/a)) / (1 - r). Near r = 1 log r
         # comes from 1 - r, which subtracts without rounding; near r = 0 from r, which 1 - r has forgotten.
         ratio, drop = shallow / deep, (deep - shallow) / deep
         with np.errstate(divide="ignore"):  # log 0 = -inf is right: a ratio that underflowed
@@ -189,18 +191,19 @@ class LinearLayer(Layer):
 class CustomLayer(Layer):
     """A layer whose law g the user gives as a function of arrays; it is evaluated at w ≤ 0 only.
 
-    `derivative` and `energy` are functions of w ≤ 0 too, g'(w) and the integral of g from 0 to w; `inverse`
-    takes stress ≤ 0 to w.  What isn't given is computed from g:
+    `derivative` and `energy` are functions of w ≤ 0 too, g'(w) and the integral of g from 0 to w;
+    `inverse` takes stress ≤ 0 to w. What isn't given is computed from g:
 
     - derivative by eighth-order central differences (relative error 1e-11 for smooth g, 1e-2 at a kink);
     - energy by tanh-sinh quadrature, which doesn't mind an infinite slope at w = 0 (1e-13 for smooth g);
     - inverse by bisection, to rounding.
 
-    With the derivative given and g smooth the divided difference is good to 1e-13.  `compression_range`
+    With the derivative given and g smooth the divided difference is good to 1e-13. `compression_range`
     (length) is the largest compression expected; g is sampled from there down ten decades.
 
-    Raises TypeError if an argument isn't callable, and ValueError if g isn't finite and strictly increasing
-    with g(0) = 0 at the samples, eq. (7), or if most of them contradict a given derivative, energy or inverse.
+    Raises TypeError if an argument isn't callable, and ValueError if g isn't finite and strictly
+    increasing with g(0) = 0 at the samples, eq. (7), or if most of them contradict a given derivative,
+    energy, inverse.
 
     >>> layer = CustomLayer(lambda w: w + w**3, derivative=lambda w: 1 + 3 * w**2, name="cubic")
     >>> layer
@@ -243,11 +246,12 @@ class CustomLayer(Layer):
     def _secant(self, deep: Array, shallow: Array) -> Array:
         p_deep, width = self._pressure(deep), deep - shallow
         rise = p_deep - self._pressure(shallow)
-        # Where either difference exceeds a tenth the quotient loses one digit.  Elsewhere the law's
+        # Where either difference exceeds a tenth the quotient loses one digit. Elsewhere the law's
         # singularities are many widths away, and eight Gauss points average its slope to rounding.
         near = ~((width >= 0.1 * deep) | (rise >= 0.1 * p_deep))
         quotient = np.divide(rise, width, out=np.zeros_like(rise), where=~near)
-        quotient[near] = self._slope(shallow[near, None] + width[near, None] * _GAUSS_POINTS) @ _GAUSS_WEIGHTS
+        points = shallow[near, None] + width[near, None] * _GAUSS_POINTS
+        quotient[near] = self._slope(points) @ _GAUSS_WEIGHTS
         return quotient
 
     def _energy(self, c: Array) -> Array:
@@ -305,9 +309,9 @@ class CustomLayer(Layer):
 class TableLayer(Layer):
     """A measured law: a monotone cubic (PCHIP) through the points, straight beyond the last of them.
 
-    The points are magnitudes: compressions (length) and pressures (stress), both strictly increasing; (0, 0)
-    is added if it is missing.  The law is continuously differentiable.  Where PCHIP would end with slope 0,
-    half the slope of the end chord replaces it, because g has to increase, eq. (7).
+    The points are magnitudes: compressions (length) and pressures (stress), both strictly increasing;
+    (0, 0) is added if it is missing. The law is continuously differentiable. Where PCHIP would end
+    with slope 0, half the slope of the end chord replaces it, because g has to increase, eq. (7).
 
     Raises ValueError if the points aren't finite, of equal number, strictly increasing and ≥ 0.
 
@@ -321,7 +325,8 @@ class TableLayer(Layer):
     _law: PPoly = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        c, p = _with_origin(_column("compressions", self.compressions), _column("pressures", self.pressures))
+        c, p = _column("compressions", self.compressions), _column("pressures", self.pressures)
+        c, p = _with_origin(c, p)
         for name, values in (("compressions", c), ("pressures", p)):
             if not np.all(np.diff(values) > 0):
                 raise ValueError(f"{name} = {values.tolist()}: expected strictly increasing values >= 0")
@@ -416,7 +421,8 @@ def _check_agreement(argument: str, given: Array, implied: Array) -> None:
 def _central_derivative(function: Callable[[Array], Array], c: Array) -> Array:
     """function'(c) for c > 0, increasing functions, by eighth-order central differences.
 
-    The step is 1/64 of the length over which the law changes: c, or less where it steepens towards a pole.
+    The step is 1/64 of the length over which the law changes: c, or less where it steepens towards a
+    pole.
     """
     p, before = function(c), function(c * (1 - 1e-6))
     scale = np.divide(p * 1e-6 * c, p - before, out=c.copy(), where=p > before)
@@ -431,12 +437,15 @@ def _integral_from_zero(function: Callable[[Array], Array], c: Array) -> Array:
 
 
 def _solve_increasing(function: Callable[[Array], Array], target: Array, lower: Array, upper: Array) -> Array:
-    """The c in [lower, upper], lower > 0, with function(c) = target, by bisection of log c; 0 at target 0."""
-    for _ in range(72):  # 2^-72 of log(1e308/1e-300) is below the rounding of c
+    """The c in [lower, upper], lower > 0, with function(c) = target, by bisection of log c.
+
+    0 where the target is 0, NaN where it is NaN.
+    """
+    for _ in range(72):  # 2^-72 log(1e308 / 1e-300) is below the rounding of c
         middle = np.sqrt(lower) * np.sqrt(upper)
         above = function(middle) >= target
         lower, upper = np.where(above, lower, middle), np.where(above, middle, upper)
-    return np.where(target > 0, upper, target)  # NaN is handed on
+    return np.where(target > 0, upper, target)
 
 
 def _tanh_sinh(step: float = 1 / 16, end: float = 3.5) -> tuple[Array, Array]:

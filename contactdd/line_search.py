@@ -12,6 +12,8 @@ def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) ->
 
     slope: dF₁/dt, which never decreases and is negative at 0. The largest step tried is returned if it stays negative.
     """
+    if slope(0.0) >= 0.0:  # at the minimum to rounding
+        return 1.0
     upper = 1.0
     while slope(upper) < 0.0:
         if upper >= largest:

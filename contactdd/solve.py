@@ -104,11 +104,12 @@ class _Run:
         for k in range(1, max_iterations + 1):
             tractions = self.scene.tractions(self.state.gaps)
             residuals = self.residuals(tractions)
-            residual = self.relative(residuals, tractions)
+            scale = self.scale(tractions)
+            residual = norm(residuals) / scale if scale > 0.0 else 0.0
             if criterion == "residual" and residual <= tolerance:
                 return "converged", f"residual {residual:.2e} after {k - 1} iterations"
             try:
-                record = self.step(k, next(relaxation), residuals, residual)
+                record = self.step(k, next(relaxation), residuals, scale)
             except LooseBodyError as error:
                 return "diverged", f"{error} in iteration {k}"
             except StopIteration:
@@ -128,7 +129,7 @@ class _Run:
                 return "stalled", f"no progress in {STALL_WINDOW} iterations; {criterion} {measure:.2e} at best {best:.2e}"
         return "iteration limit", f"{criterion} {measure:.2e} after {max_iterations} iterations"
 
-    def step(self, k: int, gamma: float | None, residuals: list[Floats], residual: float) -> Record:
+    def step(self, k: int, gamma: float | None, residuals: list[Floats], scale: float) -> Record:
         """One iteration (16): φ^k, the corrections ũ − u^k, the relaxation."""
         state, phi = self.state, {}
         for index, interface in enumerate(self.scene.interfaces):
@@ -136,9 +137,9 @@ class _Run:
             phi[index] = self.scheme.coefficient(interface.contact.layer, z, z_previous, self.points[index])
         energy = self.scene.energy(self.problems, state.unknowns, state.gaps)
         if self.coupled is None:
-            corrections = [p.correct(phi, r) for p, r in zip(self.problems, residuals, strict=True)]
+            corrections = [p.correct(phi, r, scale) for p, r in zip(self.problems, residuals, strict=True)]
         else:
-            corrections = self.coupled.correct(phi, residuals)
+            corrections = self.coupled.correct(phi, residuals, scale)
         if gamma is None:
             gamma = self.search(corrections)
         contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
@@ -147,7 +148,7 @@ class _Run:
             iteration=k,
             gamma=gamma,
             change=self.change(corrections, gamma),
-            residual=residual,
+            residual=norm(residuals) / scale,
             energy=energy,
             contact=contact,
             phi_min=min(float(values.min()) for values in phi.values()),
@@ -163,12 +164,11 @@ class _Run:
     def residuals(self, tractions: list[Floats]) -> list[Floats]:
         return [p.residual(y, tractions) for p, y in zip(self.problems, self.state.unknowns, strict=True)]
 
-    def relative(self, residuals: list[Floats], tractions: list[Floats]) -> float:
-        """The residual's norm relative to that of the loads and contact forces."""
+    def scale(self, tractions: list[Floats]) -> float:
+        """The size of the forces at work: loads and contact forces."""
         forces = [problem.load for problem in self.problems]
         forces += [port.trace.T @ tractions[port.interface] for problem in self.problems for port in problem.ports]
-        total = np.sqrt(sum(float(r @ r) for r in residuals))
-        return float(total / np.sqrt(sum(float(f @ f) for f in forces))) if total > 0.0 else 0.0
+        return norm(forces)
 
     def search(self, corrections: Sequence[Floats]) -> float:
         """γ^k that minimises F₁ along the corrections."""
@@ -206,6 +206,11 @@ class _Run:
             bool(np.all(np.isfinite(z))) and float(np.abs(z - interface.gap).max()) < 100 * self.size
             for z, interface in zip(self.state.gaps, self.scene.interfaces, strict=True)
         )
+
+
+def norm(vectors: Sequence[Floats]) -> float:
+    """The Euclidean norm of several vectors together."""
+    return float(np.sqrt(sum(float(v @ v) for v in vectors)))
 
 
 def _relaxation(gamma: Gamma) -> Iterator[float | None]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
@@ -19,9 +20,9 @@ from scipy.linalg import lapack
 
 from . import compat
 from .body import Body
-from .errors import LooseBodyError
 from .factor import Factor
 from .interface import Interface, Side
+from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal
 from .support import affine_space
 
 Floats = NDArray[np.float64]
@@ -70,8 +71,8 @@ class Subproblem:
         ]
         nodal = sp.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
         self.nodal_trace, self.nodal_offset = (nodal @ self.basis).tocsr(), nodal @ self.fixed
-        self.rigid_modes, self._mode_names = self._free_rigid_modes()
-        self._set_up_stability()
+        modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
+        self.rigid = self._rigid_motions(*allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis))
         self._factor: Factor | None = None
 
     @property
@@ -90,33 +91,14 @@ class Subproblem:
             forces += port.trace.T @ tractions[port.interface]
         return forces
 
-    def correct(self, phi: Mapping[int, Floats], residual: Floats) -> Floats:
+    def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
         """ũ − u of (22): the solution of a(δ, v) + ∫ φ δ_n v_n = residual.
 
-        phi: the Robin coefficient at the points of each interface. Raises LooseBodyError where nothing holds the body.
+        phi: the Robin coefficient at the points of each interface; scale: the size of the forces at work. Raises
+        LooseBodyError where nothing holds the body.
         """
-        self.check_held(phi)
-        return self._solve(phi, residual)
-
-    def check_held(self, phi: Mapping[int, Floats]) -> None:
-        """Raise LooseBodyError if supports and Robin terms leave a rigid motion of the body free."""
-        motion = self.free_motion(phi)
-        if motion is not None:
-            raise LooseBodyError(self.body.name, motion)
-
-    def free_motion(self, phi: Mapping[int, Floats]) -> str | None:
-        """The rigid motion that nothing resists, in words, or None."""
-        count = self.rigid_modes.shape[1]
-        if count == 0:
-            return None
-        held = self._mode_stiffness.copy()
-        for port, modes in zip(self.ports, self._port_modes, strict=True):
-            held += np.einsum("pi,p,pj->ij", modes, port.side.transfer @ phi[port.interface], modes, optimize=False)
-        values, vectors = (held[0], np.ones((1, 1))) if count == 1 else np.linalg.eigh(held)
-        # Below this the Robin term is lost in the rounding of the stiffness.
-        if values[0] > 1e-14 * self._largest_stiffness:
-            return None
-        return self.body.kinematics.describe(self._mode_names @ vectors[:, 0])
+        ground = self.rigid.ground(phi, residual, scale)
+        return self._solve(phi, residual, ground)
 
     def displacement(self, y: Floats) -> Floats:
         """All degrees of freedom of the displacement."""
@@ -131,8 +113,9 @@ class Subproblem:
         condensed = CondensedSubproblem(self)
         return self.restrict(condensed.displacement(condensed.start(normal_displacement)))
 
-    def _solve(self, phi: Mapping[int, Floats], residual: Floats) -> Floats:
+    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
         values = self._system_values(phi)
+        values[self._diagonal[ground]] += self.rigid.largest
         if self._factor is None:
             matrix = self.stiffness.copy()
             matrix.data = values
@@ -140,6 +123,11 @@ class Subproblem:
         else:
             self._factor.update(values)
         return self._factor.solve(residual)
+
+    @cached_property
+    def _diagonal(self) -> NDArray[np.intp]:
+        """Where the diagonal stands among the entries of the stiffness matrix."""
+        return _places(self.stiffness, sp.eye(self.size, format="csr"))
 
     def _system_values(self, phi: Mapping[int, Floats]) -> Floats:
         """The entries of A + Φ at the places of the stiffness matrix."""
@@ -151,29 +139,17 @@ class Subproblem:
             values[_places(self.stiffness, term)] += term.data
         return values
 
-    def _free_rigid_modes(self) -> tuple[Floats, Floats]:
-        """The rigid motions that the supports allow: orthonormal in the unknowns, and their coefficients."""
-        body = self.body
-        modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
-        modes = modes.reshape(-1, modes.shape[-1])
-        allowed = self.basis.T @ modes
-        left_over = modes - self.basis @ allowed
-        _, singular, right = np.linalg.svd(left_over, full_matrices=False)
-        free = right[singular <= 1e-8 * np.linalg.norm(modes)].T
-        if free.shape[1] == 0:
-            return np.zeros((self.size, 0)), free
-        orthonormal, triangle = np.linalg.qr(allowed @ free)
-        return orthonormal, free @ np.linalg.inv(triangle)
-
-    def _set_up_stability(self) -> None:
-        modes = self.rigid_modes
-        self._mode_stiffness = modes.T @ (self.stiffness @ modes)
-        self._largest_stiffness = float(self.stiffness.diagonal().max(initial=0.0))
-        # The elastic energy of a rigid motion is zero but for rounding; what a spring adds is not.
-        self._mode_stiffness[np.abs(self._mode_stiffness) < 1e-10 * self._largest_stiffness] = 0.0
-        self._port_modes = [
-            np.sqrt(port.side.surface.weights)[:, None] * (port.robin_trace @ modes) for port in self.ports
+    def _rigid_motions(self, modes: Floats, coefficients: Floats) -> RigidMotions:
+        contacts = [
+            Resistance(
+                port.interface,
+                np.sqrt(port.side.surface.weights)[:, None] * (port.robin_trace @ modes),
+                port.side.transfer,
+            )
+            for port in self.ports
         ]
+        owner = Owner(self.body.name, self.body.kinematics, coefficients)
+        return RigidMotions(modes, self.stiffness, contacts, [owner])
 
 
 class CondensedSubproblem(Subproblem):
@@ -198,9 +174,8 @@ class CondensedSubproblem(Subproblem):
             Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept]) for p in inner.ports
         ]
         self.nodal_trace, self.nodal_offset = inner.nodal_trace[:, self.kept], inner.nodal_offset
-        orthonormal, triangle = np.linalg.qr(inner.rigid_modes[self.kept])
-        self.rigid_modes, self._mode_names = orthonormal, inner._mode_names @ np.linalg.inv(triangle)
-        self._set_up_stability()
+        motions = orthonormal(inner.rigid.modes[self.kept], inner.rigid.owners[0].coefficients)
+        self.rigid = self._rigid_motions(*motions)
         self._robin = [_robin_map(port) for port in self.ports]
 
     def displacement(self, y: Floats) -> Floats:
@@ -216,13 +191,14 @@ class CondensedSubproblem(Subproblem):
             values.append(normal_displacement[port.interface] - port.offset)
         return sp.linalg.lsqr(sp.vstack(rows), np.concatenate(values), atol=1e-15, btol=1e-15)[0]
 
-    def _solve(self, phi: Mapping[int, Floats], residual: Floats) -> Floats:
+    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
         matrix = self.stiffness.copy()
+        matrix[ground, ground] += self.rigid.largest
         for port, (places, weights) in zip(self.ports, self._robin, strict=True):
             matrix.ravel()[places] += weights @ phi[port.interface]
         _, solution, info = lapack.dposv(matrix, residual, overwrite_a=True)
         if info != 0:
-            raise LooseBodyError(self.body.name, "some motion")
+            raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
         return solution
 
     def _solve_inside(self, kept: Floats) -> Floats:
@@ -239,7 +215,7 @@ def _touched(problem: Subproblem) -> NDArray[np.intp]:
     """The unknowns that a contact's normal displacements depend on and, where a body could still move rigidly with
     all of them held, every unknown of the same nodes: the inside must be a well-posed problem."""
     kept = np.unique(np.concatenate([port.robin_trace.indices for port in problem.ports]))
-    if _hold(problem.rigid_modes[kept]):
+    if _hold(problem.rigid.modes[kept]):
         return kept
     dim = problem.body.mesh.dim
     selection = problem.basis[:, kept]

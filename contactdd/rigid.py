@@ -1,0 +1,116 @@
+"""Rigid motions: which of them the supports leave free, whether the contact resists them, and what follows.
+
+A motion that nothing resists is harmless where the forces do no work on it (a block may slide without friction on
+another): the linear problem is then solved with that motion held. Where they do work, nothing holds the body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from .errors import LooseBodyError
+from .kinematics import Kinematics
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """What an interface adds to the stiffness of the rigid motions: Σ_p φ_p m_p m_pᵀ.
+
+    rows: (points, motions) √weight u_n of each motion; transfer: from φ at the interface to these points.
+    """
+
+    interface: int
+    rows: Floats
+    transfer: sp.csr_matrix | None = None
+
+    def matrix(self, phi: Mapping[int, Floats]) -> Floats:
+        values = phi[self.interface] if self.transfer is None else self.transfer @ phi[self.interface]
+        return self.rows.T @ (values[:, None] * self.rows)
+
+
+@dataclass(frozen=True)
+class Owner:
+    """Whose motions a group of columns are: the body's name, its kinematics and the motions' coefficients."""
+
+    body: str
+    kinematics: Kinematics
+    coefficients: Floats
+
+
+class RigidMotions:
+    """The rigid motions that the supports of one body, or of several together, leave free.
+
+    modes: (unknowns, motions), orthonormal within each body; elastic: (motions, motions) the stiffness that springs
+    give them; contacts: what the interfaces add; largest: the largest stiffness of the unknowns.
+    """
+
+    def __init__(
+        self,
+        modes: Floats,
+        stiffness: sp.csr_matrix | Floats,
+        contacts: Sequence[Resistance],
+        owners: Sequence[Owner],
+    ) -> None:
+        self.modes, self.contacts, self.owners = modes, contacts, owners
+        self.largest = float(stiffness.diagonal().max(initial=0.0))
+        self.elastic = modes.T @ (stiffness @ modes)
+        # The elastic energy of a rigid motion is zero but for rounding; what a spring adds is not.
+        self.elastic[np.abs(self.elastic) < 1e-10 * self.largest] = 0.0
+
+    def free(self, phi: Mapping[int, Floats]) -> Floats:
+        """The motions that neither springs nor the coefficient φ resist, as columns of coefficients (motions, free)."""
+        count = self.modes.shape[1]
+        if count == 0:
+            return np.zeros((0, 0))
+        held = self.elastic + sum(contact.matrix(phi) for contact in self.contacts)
+        values, vectors = (held[0], np.ones((1, 1))) if count == 1 else np.linalg.eigh(held)
+        # Below this the Robin term is lost in the rounding of the stiffness.
+        return vectors[:, values <= 1e-14 * self.largest]
+
+    def ground(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
+        """Unknowns to hold so that no motion is free, none if none is.
+
+        Raises LooseBodyError if the forces (unknowns,) do work on a free motion; scale: the size of the forces at work.
+        """
+        free = self.free(phi)
+        if free.shape[1] == 0:
+            return np.zeros(0, dtype=np.intp)
+        motions = self.modes @ free
+        work = motions.T @ forces
+        # Loads and contact forces on one body cancel to rounding; 1e-9 leaves room for that and for no real load.
+        if np.abs(work).max() > 1e-9 * scale:
+            raise self.loose(free @ work)
+        return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: free.shape[1]]
+
+    def loose(self, motion: Floats) -> LooseBodyError:
+        """The error that names the body which a motion (coefficients) moves most, and how."""
+        ends = np.cumsum([owner.coefficients.shape[1] for owner in self.owners])
+        parts = np.split(motion, ends[:-1])
+        owner, part = max(zip(self.owners, parts, strict=True), key=lambda pair: float(np.linalg.norm(pair[1])))
+        return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part))
+
+
+def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats]:
+    """The rigid motions that the supports allow.
+
+    modes: (dofs, motions) all of a body; basis: Z of u = Z y + u₀. Returns the unknowns of an orthonormal set
+    (unknowns, allowed), and its coefficients in `modes` (motions, allowed).
+    """
+    unknowns = basis.T @ modes
+    _, singular, right = np.linalg.svd(modes - basis @ unknowns, full_matrices=False)
+    allowed = right[singular <= 1e-8 * np.linalg.norm(modes)].T
+    return orthonormal(unknowns @ allowed, allowed)
+
+
+def orthonormal(modes: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
+    """An orthonormal set with the same span, and its coefficients."""
+    q, r = np.linalg.qr(modes)
+    return q, coefficients @ np.linalg.inv(r)
