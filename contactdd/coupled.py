@@ -42,7 +42,7 @@ class CoupledSystem:
             term = total.T @ sp.diags(self._interfaces[index].weights * phi[index]) @ total
             matrix = matrix + (term.toarray() if self._dense else term)
         if self._dense:
-            matrix.ravel()[:: len(rhs) + 1] += ground
+            matrix[np.diag_indices(len(rhs))] += ground
             correction = scipy.linalg.solve(matrix, rhs, assume_a="pos", overwrite_a=True)
         else:
             correction = Factor((matrix + sp.diags(ground)).tocsr()).solve(rhs)

@@ -155,6 +155,7 @@ class Interface:
     normal: Floats
     weights: Floats
     gap: Floats
+    shape: Floats
     sides: tuple[Side, Side]
 
 
@@ -166,13 +167,13 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
     partner = _partners(contact, first, second)
     x, normal = first.average @ first.points.x, first.average @ first.points.normal
     distance = np.sum(((second.average @ second.points.x)[partner] - x) * normal, axis=1)
-    gap = distance + first.average @ evaluate("gap", contact.gap, first.points.x.T)
+    shape = first.average @ evaluate("gap", contact.gap, first.points.x.T)
     swap = sp.csr_matrix((np.ones(len(partner)), (np.arange(len(partner)), partner)))
     sides = (
         Side(bodies[0], first, (first.average @ first.trace).tocsr(), first.spread),
         Side(bodies[1], second, (swap @ second.average @ second.trace).tocsr(), (second.spread @ swap.T).tocsr()),
     )
-    return Interface(contact, x, normal, first.value_weights, gap, sides)
+    return Interface(contact, x, normal, first.value_weights, distance + shape, shape, sides)
 
 
 def _partners(contact: Contact, first: ContactSurface, second: ContactSurface) -> NDArray[np.intp]:

@@ -45,7 +45,7 @@ class Kinematics:
         """The matrix from the free strains to all six stresses, (6, free components)."""
         kept = list(self.components)
         if not self.stress_free:
-            return stiffness[:, kept]
+            return np.ascontiguousarray(stiffness[:, kept])
         matrix = np.zeros((6, len(kept)))
         matrix[kept] = self.reduce(stiffness)
         return matrix

@@ -88,7 +88,7 @@ def plot_bodies(
     plotter.set_background("white")
     flat = solution.scene.bodies[0].mesh.dim == 2
     for grid in grids:
-        warped = grid.warp_by_vector("displacement", factor=scale)
+        warped = grid.warp_by_vector("drawn", factor=scale)
         plotter.add_mesh(warped, scalars=name, clim=limits, cmap="viridis", scalar_bar_args=_bar_arguments(name))
         edges = warped.extract_feature_edges(manifold_edges=False, feature_edges=not flat)
         plotter.add_mesh(edges, color="black", line_width=2)
@@ -147,8 +147,30 @@ def _nodal_stress(solution: Solution, body: Body) -> NDArray[np.float64]:
 def _grid(solution: Solution, body: Body, component: str, name: str) -> Any:
     grid = body_grid(solution, body)
     stress = grid.point_data["stress"]
+    grid.point_data["drawn"] = grid.point_data["displacement"] + _given_shape(solution, body, np.asarray(grid.points))
     grid.point_data[name] = von_mises(stress) if component == "von Mises" else stress[:, STRESSES.index(component)]
     return grid
+
+
+def _given_shape(solution: Solution, body: Body, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far a body's true surface is from its mesh, (points, 3).
+
+    A gap given as a function is a shape that the mesh of the contact's first body does not show. It is drawn as if cut
+    into that body, fading out over the body's depth.
+    """
+    from scipy.spatial import cKDTree
+
+    shift = np.zeros_like(points)
+    dim = body.mesh.dim
+    for interface in solution.scene.interfaces:
+        if interface.contact.sides[0][0] is not body or not np.any(interface.shape):
+            continue
+        nearest = cKDTree(interface.x).query(points[:, :dim])[1]
+        normal = interface.normal[nearest]
+        depth = np.sum((interface.x[nearest] - points[:, :dim]) * normal, axis=1)
+        fade = 1.0 - np.clip(depth / max(float(depth.max()), np.finfo(float).tiny), 0.0, 1.0)
+        shift[:, :dim] -= (fade * interface.shape[nearest])[:, None] * normal
+    return shift
 
 
 def von_mises(stress: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -202,7 +224,14 @@ def _visible_scale(solution: Solution) -> float:
 
 
 def _bar_arguments(name: str) -> dict[str, Any]:
-    return {"title": name, "color": "black", "n_labels": 5, "fmt": "%.3g", "position_x": 0.25, "position_y": 0.03}
+    return {
+        "title": f"{name}\n",  # the line break keeps the title clear of the numbers
+        "color": "black",
+        "n_labels": 5,
+        "fmt": "%.3g",
+        "position_x": 0.25,
+        "position_y": 0.05,
+    }
 
 
 def _in_notebook() -> bool:

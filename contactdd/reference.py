@@ -435,13 +435,13 @@ def _ellipse(x: ArrayLike, half_width: float, peak: float) -> Array:
 
 def _relative_radius(R1: float, R2: float) -> float:
     """R with 1/R = 1/R1 + 1/R2."""
-    return 1 / (1 / positive("R1", R1) + (0 if math.isinf(R2) else 1 / positive("R2", R2)))
+    return 1 / (1 / positive("R1", R1) + (0 if _is_infinite(R2) else 1 / positive("R2", R2)))
 
 
 def _contact_modulus(E1: float, nu1: float, E2: float, nu2: float) -> float:
     """E* with 1/E* = (1 - ν1²)/E1 + (1 - ν2²)/E2."""
     first = (1 - _poisson("nu1", nu1) ** 2) / positive("E1", E1)
-    return 1 / (first + (0 if math.isinf(E2) else (1 - _poisson("nu2", nu2) ** 2) / positive("E2", E2)))
+    return 1 / (first + (0 if _is_infinite(E2) else (1 - _poisson("nu2", nu2) ** 2) / positive("E2", E2)))
 
 
 # ----------------------------------------------------------------------------------- scalar problems
@@ -563,3 +563,8 @@ def _poisson(name: str, value: float) -> float:
     if not -1 < value < 0.5:
         raise ValueError(f"{name} = {value!r}: expected a Poisson's ratio in (-1, 0.5)")
     return value
+
+
+def _is_infinite(value: float) -> bool:
+    """Whether `value` is +inf, which stands for a plane (radius) or a rigid body (modulus)."""
+    return isinstance(value, float) and value > 0 and math.isinf(value)

@@ -52,11 +52,19 @@ class Scene:
 
     def gaps(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats]) -> list[Floats]:
         """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
-        gaps = [interface.gap.copy() for interface in self.interfaces]
+        offsets = [interface.gap.copy() for interface in self.interfaces]
+        for problem in problems:
+            for port in problem.ports:
+                offsets[port.interface] -= port.offset
+        return [d - move for d, move in zip(offsets, self.closing(problems, unknowns), strict=True)]
+
+    def closing(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats]) -> list[Floats]:
+        """u_αn + u_βn at the points of every interface, of the free part of the displacement."""
+        sums = [np.zeros(len(interface.weights)) for interface in self.interfaces]
         for problem, y in zip(problems, unknowns, strict=True):
             for port in problem.ports:
-                gaps[port.interface] -= port.trace @ y + port.offset
-        return gaps
+                sums[port.interface] += port.trace @ y
+        return sums
 
     def tractions(self, gaps: Sequence[Floats]) -> list[Floats]:
         """The contact stresses g⁻(z) times the points' areas."""

@@ -141,7 +141,7 @@ class _Run:
         else:
             corrections = self.coupled.correct(phi, residuals, scale)
         if gamma is None:
-            gamma = self.search(corrections)
+            gamma = self.search(corrections, residuals)
         contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
         self.state = self.relaxed(corrections, gamma)
         return Record(
@@ -170,24 +170,22 @@ class _Run:
         forces += [port.trace.T @ tractions[port.interface] for problem in self.problems for port in problem.ports]
         return norm(forces)
 
-    def search(self, corrections: Sequence[Floats]) -> float:
-        """γ^k that minimises F₁ along the corrections."""
-        state, weights = self.state, [interface.weights for interface in self.scene.interfaces]
-        layers = [contact.layer for contact in self.scene.contacts]
-        ahead = self.scene.gaps(self.problems, [y + d for y, d in zip(state.unknowns, corrections, strict=True)])
-        moves = [after - before for after, before in zip(ahead, state.gaps, strict=True)]
-        linear = quadratic = 0.0
-        for problem, y, delta in zip(self.problems, state.unknowns, corrections, strict=True):
-            elastic = problem.stiffness @ delta
-            linear += float(elastic @ y - problem.load @ delta)
-            quadratic += float(elastic @ delta)
+    def search(self, corrections: Sequence[Floats], residuals: Sequence[Floats]) -> float:
+        """γ^k that minimises F₁ along the corrections.
+
+        The slope is written with divided differences, so that nothing cancels near the minimum.
+        """
+        descent = sum(float(r @ delta) for r, delta in zip(residuals, corrections, strict=True))
+        elastic = sum(float(d @ (p.stiffness @ d)) for p, d in zip(self.problems, corrections, strict=True))
+        moves = self.scene.closing(self.problems, corrections)
+        contacts = [
+            (interface.contact.layer, z, move, interface.weights * move**2)
+            for interface, z, move in zip(self.scene.interfaces, self.state.gaps, moves, strict=True)
+        ]
 
         def slope(t: float) -> float:
-            contact = sum(
-                float((w * layer.contact_stress(z + t * move)) @ move)
-                for w, layer, z, move in zip(weights, layers, state.gaps, moves, strict=True)
-            )
-            return linear + t * quadratic + contact
+            layers = sum(float(w @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
+            return t * (elastic + layers) - descent
 
         return minimise_along(slope)
 

@@ -175,6 +175,7 @@ class CondensedSubproblem(Subproblem):
         ]
         self.nodal_trace, self.nodal_offset = inner.nodal_trace[:, self.kept], inner.nodal_offset
         motions = orthonormal(inner.rigid.modes[self.kept], inner.rigid.owners[0].coefficients)
+        self._balance(motions[0], inner.rigid.modes.T @ inner.load, inner.rigid.modes[self.kept])
         self.rigid = self._rigid_motions(*motions)
         self._robin = [_robin_map(port) for port in self.ports]
 
@@ -200,6 +201,19 @@ class CondensedSubproblem(Subproblem):
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
         return solution
+
+    def _balance(self, motions: Floats, work: Floats, modes: Floats) -> None:
+        """Take the rounding of the elimination out of what the free rigid motions feel.
+
+        They must meet no elastic force, and the loads must do the work on them (motions,) that they did before; else
+        a floating body's forces balance only to the rounding of many thousand sums.
+        """
+        springs = motions.T @ self.stiffness @ motions
+        if motions.shape[1] == 0 or np.abs(springs).max() > 1e-10 * self.stiffness.diagonal().max():
+            return
+        felt = motions.T @ self.stiffness
+        self.stiffness = self.stiffness - motions @ felt - felt.T @ motions.T + motions @ (felt @ motions) @ motions.T
+        self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
 
     def _solve_inside(self, kept: Floats) -> Floats:
         """All unknowns of the inner problem: the given kept ones, the others in equilibrium with them."""
