@@ -5,8 +5,7 @@ user's own consistent set of units. A law is described by what it does in compre
 contact never asks for, g is the odd extension g(-w) = -g(w).
 
 Every method takes scalars or arrays of any shape, works element by element, returns a float64 array of
-that shape and hands NaN on, so that a diverging iteration is noticed instead of being read as an open
-gap.
+that shape and hands NaN on: a diverging iteration must be noticed, not be read as an open gap.
 """
 
 from __future__ import annotations
@@ -32,8 +31,7 @@ Function = Callable[[Array], ArrayLike]
 class Layer(ABC):
     """A layer law: σ_n = g(w) with g(0) = 0 and g strictly increasing, eq. (7).
 
-    A subclass gives five functions of the magnitudes c = -w ≥ 0 (compression) and p = -g(w) ≥ 0
-    (pressure).
+    A subclass gives five functions of the magnitudes c = -w ≥ 0, compression, and p = -g(w) ≥ 0, pressure.
     """
 
     @abstractmethod
@@ -115,7 +113,7 @@ class Layer(ABC):
 class PowerLayer(Layer):
     """The paper's layer g(w) = B^(-1/a) sgn(w) |w|^(1/a), that is |w| = B |σ_n|^a.
 
-    B > 0 has the unit length / stress^a; a > 0 has none.  g'(0) is infinite for a > 1, 1/B for a = 1
+    B > 0 has the unit length / stress^a; a > 0 has none. g'(0) is infinite for a > 1, 1/B for a = 1
     and 0 for a < 1. Raises TypeError or ValueError if B or a isn't a positive finite number.
 
     >>> layer = PowerLayer(B=4e-6, a=1.1)

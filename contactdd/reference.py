@@ -79,7 +79,7 @@ def uniform_compression(q: float, h: float, E: float, nu: float, B: float, a: fl
 class Groove:
     """The solved groove problem.
 
-    approach: of the two outer faces, on average (length).  elastic_energy: of both bodies, their
+    approach: of the two outer faces, on average (length). elastic_energy: of both bodies, their
     uniform compression included; layer_energy (both stress · length² per unit thickness). The rest is
     worked out when asked for.
     """
@@ -418,14 +418,13 @@ def hertz_sphere(
 ) -> HertzSphere:
     """Two spheres, or a sphere and a plane (R2 = inf), pressed together; E2 = inf is a rigid second body.
 
-    Johnson, Contact Mechanics, §4.2(a): radius³ = 3 F R / (4 E*), approach = radius²/R, peak = 3 F /
-    (2π radius²).
+    Johnson, Contact Mechanics, §4.2(a): radius³ = 3 F R / (4 E*), approach = radius²/R,
+    peak = 3 F / (2π radius²).
     """
     force, relative = positive("force", force), _relative_radius(R1, R2)
-    radius = math.cbrt(0.75 * force * relative / _contact_modulus(E1, nu1, E2, nu2))
-    return HertzSphere(
-        radius, approach=radius**2 / relative, peak_pressure=1.5 * force / (math.pi * radius**2)
-    )
+    radius = float(np.cbrt(0.75 * force * relative / _contact_modulus(E1, nu1, E2, nu2)))
+    peak = 1.5 * force / (math.pi * radius**2)
+    return HertzSphere(radius, approach=radius**2 / relative, peak_pressure=peak)
 
 
 def _ellipse(x: ArrayLike, half_width: float, peak: float) -> Array:

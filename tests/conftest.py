@@ -1,0 +1,8 @@
+"""Shared by all tests: the demos are importable modules."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "demos"))
