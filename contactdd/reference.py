@@ -91,9 +91,7 @@ class Groove:
     approach: float
     elastic_energy: float
     layer_energy: float
-    _closing: Array = field(
-        repr=False, compare=False
-    )  # cosine coefficients of the approach of the contact faces
+    _closing: Array = field(repr=False, compare=False)  # cosine coefficients of the approach of the contact faces
 
     def gap(self, x: ArrayLike) -> Array:
         """The deformed gap z at x in [0, length]; negative where the layer is compressed (length)."""
@@ -227,9 +225,7 @@ class _GrooveEquation:
             ds, dc = self._newton_direction(s, w)
             step = self._step_length(s, w, ds, dc - self._bulge(ds))
             s, c = s + step * ds, c + step * dc
-        raise RuntimeError(
-            f"the groove's equation didn't converge: relative residual {error:g}, expected < 1e-7"
-        )
+        raise RuntimeError(f"the groove's equation didn't converge: relative residual {error:g}, expected < 1e-7")
 
     def compression(self, s: Array, c: float) -> Array:
         return c - self.d - self._bulge(s)

@@ -72,9 +72,7 @@ class Scene:
 
     def layer_energy(self, gaps: Sequence[Floats]) -> float:
         """J = Σ ∫ ∫₀^z g⁻."""
-        return sum(
-            float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True)
-        )
+        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True))
 
     def energy(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats], gaps: Sequence[Floats]) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""

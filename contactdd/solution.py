@@ -203,7 +203,9 @@ class Solution:
         lines = [f"Solution by {self.method!r}: {self.status} ({self.reason})"]
         for contact in self.scene.contacts:
             lines.append(f"  {contact.name}: {self.contact(contact)!r}")
-        lines.append(f"  energy F₁ {self.energy:.8g}, weak residual {self.residual:.1e}, imbalance {self.imbalance:.1e}")
+        lines.append(
+            f"  energy F₁ {self.energy:.8g}, weak residual {self.residual:.1e}, imbalance {self.imbalance:.1e}"
+        )
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:

@@ -126,7 +126,10 @@ class _Run:
             if measure < 0.99 * best:
                 best, best_at = measure, k
             elif k - best_at >= STALL_WINDOW:
-                return "stalled", f"no progress in {STALL_WINDOW} iterations; {criterion} {measure:.2e} at best {best:.2e}"
+                return (
+                    "stalled",
+                    f"no progress in {STALL_WINDOW} iterations; {criterion} {measure:.2e} at best {best:.2e}",
+                )
         return "iteration limit", f"{criterion} {measure:.2e} after {max_iterations} iterations"
 
     def step(self, k: int, gamma: float | None, residuals: list[Floats], scale: float) -> Record:
