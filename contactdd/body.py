@@ -54,7 +54,8 @@ class Body:
         self._check_surfaces()
 
     def __repr__(self) -> str:
-        return f"Body({self.name!r}, {self.mesh.cells} cells, degree {self.degree}, {self.material}, {self.kinematics.name})"
+        kind = self.kinematics.name
+        return f"Body({self.name!r}, {self.mesh.cells} cells, degree {self.degree}, {self.material}, {kind})"
 
     @cached_property
     def space(self) -> fem.FunctionSpace:

@@ -50,7 +50,7 @@ def positive(name: str, value: Any) -> float:
 
 def finite(name: str, value: Any) -> float:
     """`value` as a float, refused unless it is a finite number."""
-    if isinstance(value, bool) or not np.isscalar(value):
+    if isinstance(value, (bool, str)) or not np.isscalar(value):
         raise TypeError(f"{name} = {value!r}: expected a number")
     try:
         number = float(value)

@@ -68,7 +68,7 @@ class ContactSurface:
 
     @cached_property
     def nodal_trace(self) -> sp.csr_matrix:
-        """The normal displacement at the nodes of the surface, each node once: what the paper's stopping rule looks at."""
+        """The normal displacement at the nodes of the surface, each once: what the paper's stopping rule looks at."""
         domain, dim = self.body.mesh.domain, self.body.mesh.dim
         facet = basix.cell.subentity_types(compat.coordinate_map(domain).cell_type)[dim - 1][0]
         nodes = basix.create_element(

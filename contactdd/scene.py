@@ -85,6 +85,10 @@ class Scene:
         for name, count in Counter(contact.name for contact in self.contacts).items():
             if count > 1:
                 raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
+        touching = {id(body) for contact in self.contacts for body, _ in contact.sides}
+        for body in self.bodies:
+            if id(body) not in touching:
+                raise ValueError(f"body {body.name!r} has no contact; expected bodies that touch others")
         used: dict[tuple[int, int], str] = {}
         for contact in self.contacts:
             self._check_contact(contact, used)

@@ -143,7 +143,7 @@ class Solution:
         return function
 
     def forces(self, body: str | Body) -> dict[str, Floats]:
-        """The resultants on a body, each (dim,): "loads", "contact" and "supports" (the reactions); they sum to zero."""
+        """The resultants on a body, each (dim,): "loads", "contact" and "supports" (reactions); they sum to zero."""
         place = self._place(body)
         problem, dim = self._problems[place], self.scene.bodies[place].mesh.dim
         loads = problem.full_load

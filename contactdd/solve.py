@@ -66,6 +66,8 @@ def solve(
     """
     scheme = find_scheme(method)
     positive("tolerance", tolerance)
+    if int(max_iterations) != max_iterations or max_iterations < 1:
+        raise ValueError(f"max_iterations = {max_iterations!r}: expected a whole number >= 1")
     one_of("criterion", criterion, ("residual", "change"))
     one_of("on_failure", on_failure, ("raise", "return"))
     relaxation = _relaxation(gamma)
