@@ -10,7 +10,7 @@ __version__ = "0.1.0"
 from . import reference
 from .body import Body
 from .contact import Contact
-from .errors import ContactError, LooseBodyError, MeshMismatchError, NotConvergedError
+from .errors import ContactError, LooseBodyError, MeshMismatchError, NoEquilibriumError, NotConvergedError
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Traction
@@ -39,6 +39,7 @@ __all__ = [
     "LooseBodyError",
     "Mesh",
     "MeshMismatchError",
+    "NoEquilibriumError",
     "NotConvergedError",
     "PowerLayer",
     "Pressure",

@@ -6,15 +6,17 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx import mesh as dmesh
+from numpy.typing import NDArray
 
 from .kinematics import kinematics as find_kinematics
 from .load import Load
 from .material import Isotropic
 from .mesh import Mesh
 from .support import Support
+from .trace import facet_entities
 
 
 class Body:
@@ -73,9 +75,17 @@ class Body:
 
     def ds(self, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Measure:
         """The measure of a named surface."""
-        facets = self.mesh.facets(surface)
-        tags = dmesh.meshtags(self.mesh.domain, self.mesh.dim - 1, facets, 1)
-        return ufl.Measure("ds", domain=self.mesh.domain, subdomain_data=tags, subdomain_id=1, metadata=metadata)
+        self.mesh.facets(surface)  # refuses an unknown name
+        place = list(self.mesh.surfaces).index(surface)
+        return ufl.Measure(
+            "ds", domain=self.mesh.domain, subdomain_data=self._boundary, subdomain_id=place, metadata=metadata
+        )
+
+    @cached_property
+    def _boundary(self) -> list[tuple[int, NDArray[np.int32]]]:
+        """The (cell, local facet) pairs of every named surface; one object, which all integrals of a form share."""
+        domain = self.mesh.domain
+        return [(i, facet_entities(domain, facets).ravel()) for i, facets in enumerate(self.mesh.surfaces.values())]
 
     def stress(self, u: Any) -> Any:
         """Hooke's law (2): the stresses of the free Voigt components, a UFL vector."""

@@ -36,6 +36,20 @@ class NotConvergedError(ContactError):
         self.solution = solution
 
 
+class NoEquilibriumError(NotConvergedError):
+    """A scene without equilibrium: the loads move a body for ever.
+
+    Attributes: `body`, its name; `motion`, in words; `status`, `reason` and `solution`, the last state.
+    """
+
+    def __init__(self, body: str, motion: str, solution: Any) -> None:
+        super().__init__(
+            "no equilibrium", f"the loads move body {body!r} for ever: nothing stops its {motion}", solution
+        )
+        self.body = body
+        self.motion = motion
+
+
 class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
 

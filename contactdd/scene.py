@@ -74,10 +74,6 @@ class Scene:
         """J = Σ ∫ ∫₀^z g⁻."""
         return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True))
 
-    def energy(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats], gaps: Sequence[Floats]) -> float:
-        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        return sum(p.energy(y) for p, y in zip(problems, unknowns, strict=True)) + self.layer_energy(gaps)
-
     def _check(self) -> None:
         for name, count in Counter(body.name for body in self.bodies).items():
             if count > 1:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
 import scipy.sparse as sp
 import ufl
 from dolfinx import fem
@@ -22,7 +23,7 @@ from . import compat
 from .body import Body
 from .factor import Factor
 from .interface import Interface, Side
-from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal
+from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots, spring_stiffness
 from .support import affine_space
 
 Floats = NDArray[np.float64]
@@ -80,13 +81,17 @@ class Subproblem:
         """The number of unknowns."""
         return len(self.load)
 
-    def energy(self, y: Floats) -> float:
-        """½ a(u, u) − l(u)."""
-        return float(0.5 * y @ (self.stiffness @ y) - self.load @ y) + self.constant
+    def deformation(self, y: Floats) -> Floats:
+        """The unknowns without the rigid motion of a floating body: what elastic forces come from."""
+        return y - self.rigid.modes @ (self.rigid.modes.T @ y) if self.rigid.floating else y
 
-    def residual(self, y: Floats, tractions: Mapping[int, Floats]) -> Floats:
+    def energy(self, y: Floats, deformation: Floats) -> float:
+        """½ a(u, u) − l(u)."""
+        return float(0.5 * deformation @ (self.stiffness @ deformation) - self.load @ y) + self.constant
+
+    def residual(self, deformation: Floats, tractions: Mapping[int, Floats]) -> Floats:
         """−F₁'(u; ·): loads and contact forces (weighted tractions g⁻ by interface) less the elastic forces."""
-        forces = self.load - self.stiffness @ y
+        forces = self.load - self.stiffness @ deformation
         for port in self.ports:
             forces += port.trace.T @ tractions[port.interface]
         return forces
@@ -99,6 +104,14 @@ class Subproblem:
         """
         ground = self.rigid.ground(phi, residual, scale)
         return self._solve(phi, residual, ground)
+
+    def solve_held(self, phi: Mapping[int, Floats], forces: Floats) -> Floats:
+        """(A + Φ)⁻¹ times forces, with any motion held that is free: the body's part of a preconditioner."""
+        return self._solve(phi, forces, pivots(self.rigid.modes @ self.rigid.free(phi)))
+
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        """The modes of A v = λ (A + Φ) v with λ < below, (unknowns, modes): none where A is too large to ask."""
+        return np.zeros((self.size, 0))
 
     def displacement(self, y: Floats) -> Floats:
         """All degrees of freedom of the displacement."""
@@ -149,7 +162,7 @@ class Subproblem:
             for port in self.ports
         ]
         owner = Owner(self.body.name, self.body.kinematics, coefficients)
-        return RigidMotions(modes, self.stiffness, contacts, [owner])
+        return RigidMotions(modes, *spring_stiffness(modes, self.stiffness), contacts, [owner])
 
 
 class CondensedSubproblem(Subproblem):
@@ -192,11 +205,22 @@ class CondensedSubproblem(Subproblem):
             values.append(normal_displacement[port.interface] - port.offset)
         return sp.linalg.lsqr(sp.vstack(rows), np.concatenate(values), atol=1e-15, btol=1e-15)[0]
 
-    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
-        matrix = self.stiffness.copy()
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        matrix = self._system(phi)
+        ground = pivots(self.rigid.modes @ self.rigid.free(phi))
         matrix[ground, ground] += self.rigid.largest
+        return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
+
+    def _system(self, phi: Mapping[int, Floats]) -> Floats:
+        """S + Φ."""
+        matrix = self.stiffness.copy()
         for port, (places, weights) in zip(self.ports, self._robin, strict=True):
             matrix.ravel()[places] += weights @ phi[port.interface]
+        return matrix
+
+    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
+        matrix = self._system(phi)
+        matrix[ground, ground] += self.rigid.largest
         _, solution, info = lapack.dposv(matrix, residual, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")

@@ -16,7 +16,7 @@ def groove(x):
 
 layer = cd.PowerLayer(B=4e-6, a=1.1)
 contact = cd.Contact((lower, "top"), (upper, "bottom"), layer, gap=groove)
-solution = cd.solve(cd.Scene([lower, upper], [contact]), "chord", gamma=0.6)
+solution = cd.solve(cd.Scene([lower, upper], [contact]))
 print(solution)
 solution.plot_contact(path="contact.png")
 solution.plot_bodies(component="yy", path="bodies.png")
