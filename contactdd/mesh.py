@@ -37,6 +37,11 @@ class Mesh:
     def cells(self) -> int:
         return self.domain.topology.index_map(self.dim).size_local
 
+    @property
+    def size(self) -> float:
+        """The longest side of the mesh's bounding box."""
+        return float(np.ptp(self.domain.geometry.x, axis=0).max())
+
     def facets(self, surface: str) -> NDArray[np.int32]:
         """The facet indices of a named surface; a name that is not there is refused with the list of those that are."""
         if surface not in self.surfaces:
