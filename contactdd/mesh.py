@@ -121,7 +121,7 @@ def from_gmsh(model: Any, dim: int = 2, *, body: str | None = None) -> Mesh:
     if not any(d == dim - 1 for d, _ in groups.values()):
         raise ValueError(f"the gmsh model has no physical group of dimension {dim - 1}: no surface would have a name")
     if body is not None:
-        _keep_only(model, dim, body, groups)
+        _keep_only(model, dim, groups[body])
     domain, _, facet_tags, names = compat.gmsh_model_to_mesh(model, MPI.COMM_SELF, 0, dim)
     surfaces = {name: np.sort(facet_tags.find(tag)) for name, (group_dim, tag) in names.items() if group_dim == dim - 1}
     return Mesh(domain, {name: facets for name, facets in surfaces.items() if len(facets)})
@@ -178,15 +178,12 @@ def _meshed(gmsh: Any, script: Path, dim: int, order: int, parameters: Mapping[s
     return target
 
 
-def _keep_only(model: Any, dim: int, body: str, groups: Mapping[str, tuple[int, int]]) -> None:
-    """Take the physical groups of other bodies out of a gmsh model, and of surfaces that are not around this one."""
-    cells = [(dim, int(entity)) for entity in model.getEntitiesForPhysicalGroup(*groups[body])]
-    around = {abs(tag) for _, tag in model.getBoundary(cells, combined=True, oriented=False)}
-    for name, (group_dim, tag) in groups.items():
-        entities = {int(entity) for entity in model.getEntitiesForPhysicalGroup(group_dim, tag)}
-        other_body = group_dim == dim and name != body
-        if other_body or (group_dim == dim - 1 and not entities & around):
-            model.removePhysicalGroups([(group_dim, tag)])
+def _keep_only(model: Any, dim: int, group: tuple[int, int]) -> None:
+    """Take all out of a gmsh model but the cells of one physical group and what is around them."""
+    kept = {int(entity) for entity in model.getEntitiesForPhysicalGroup(*group)}
+    model.removeEntities([(d, tag) for d, tag in model.getEntities(dim) if tag not in kept], recursive=True)
+    model.mesh.renumberNodes()
+    model.mesh.renumberElements()
 
 
 def _listed(names: Sequence[str]) -> str:
