@@ -10,7 +10,14 @@ __version__ = "0.1.0"
 from . import reference
 from .body import Body
 from .contact import Contact
-from .errors import ContactError, LooseBodyError, MeshMismatchError, NoEquilibriumError, NotConvergedError
+from .errors import (
+    CheckpointError,
+    ContactError,
+    LooseBodyError,
+    MeshMismatchError,
+    NoEquilibriumError,
+    NotConvergedError,
+)
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Traction
@@ -26,6 +33,7 @@ __all__ = [
     "SCHEMES",
     "Body",
     "BodyForce",
+    "CheckpointError",
     "Contact",
     "ContactError",
     "ContactResult",

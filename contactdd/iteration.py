@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ Observer = Callable[[Record], bool]
 
 #: Contact unknowns up to which "auto" factors the coupled system.
 LARGEST_DIRECT = 6000
+#: What a measure has to fall to for the run to have come closer.
+PROGRESS = 0.99
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,10 @@ class Rule:
     most: int
     patience: int
 
+    def measure(self, record: Record) -> float:
+        """What the criterion looks at."""
+        return record.change if self.criterion == "change" else record.residual
+
 
 @dataclass(frozen=True)
 class Ending:
@@ -51,12 +58,25 @@ class Ending:
 
 
 class Run:
-    """One run: the iterate `state` and the `history`."""
+    """One run: the iterate `state` and the `history`.
 
-    def __init__(self, scene: Scene, scheme: Scheme, problems: Sequence[Subproblem], state: State) -> None:
+    history, memory: of an earlier run that this one goes on from.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        scheme: Scheme,
+        problems: Sequence[Subproblem],
+        state: State,
+        history: History | None = None,
+        memory: Sequence[Floats] = (),
+    ) -> None:
         self.scene, self.scheme, self.problems, self.state = scene, scheme, problems, state
-        self.history = History()
+        self.history = History() if history is None else history
         self.anderson = Anderson() if scheme.accelerated else None
+        if self.anderson is not None:
+            self.anderson.memory = memory
         self.linear, self._note = _step(scheme, problems, scene)
         self._points = [interface.x.T for interface in scene.interfaces]
         self._size = max(float(np.ptp(body.mesh.domain.geometry.x, axis=0).max()) for body in scene.bodies)
@@ -65,10 +85,15 @@ class Run:
         self._began = time.process_time()
 
     def iterate(self, gammas: Iterator[float | None], rule: Rule, observe: Observer) -> Ending:
-        """Iterate to the end. gammas: γ^k, None where it is to be searched; observe: told of every iteration, ends the
-        run by returning True."""
-        best, best_at, measure = np.inf, 0, np.inf
-        for k in range(1, rule.most + 1):
+        """Iterate to the end, from where the history ends.
+
+        gammas: γ^0, γ^1, …, None where it is to be searched; observe: told of every iteration, ends the run by
+        returning True.
+        """
+        done = len(self.history)
+        gammas = itertools.islice(gammas, done, None)
+        best, best_at, measure = self._best_so_far(rule)
+        for k in range(done + 1, rule.most + 1):
             tractions = self.scene.tractions(self.state.gaps)
             residuals = self._residuals(tractions)
             scale = self._scale(residuals, tractions)
@@ -83,19 +108,28 @@ class Run:
                 return Ending("iteration limit", f"gamma ended after {k - 1} values at residual {residual:.2e}")
             self.history.append(record)
             if observe(record):
-                return Ending("stopped", f"by the callback in iteration {k}")
+                return Ending("stopped", f"as asked in iteration {k}")
             if rule.criterion == "change" and record.change <= rule.tolerance:
                 return Ending("converged", f"change {record.change:.2e} after {k} iterations")
             if not self._bounded():
                 return Ending("diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}")
-            measure = record.change if rule.criterion == "change" else residual
-            if measure < 0.99 * best:
+            measure = rule.measure(record)
+            if measure < PROGRESS * best:
                 best, best_at = measure, k
             elif k - best_at >= rule.patience:
                 return Ending(
                     "stalled", f"no progress in {rule.patience} iterations; {rule.criterion} at best {best:.2e}"
                 )
         return Ending("iteration limit", f"{rule.criterion} {measure:.2e} after {rule.most} iterations")
+
+    def _best_so_far(self, rule: Rule) -> tuple[float, int, float]:
+        """The best measure in the history, the iteration that reached it, and the last one."""
+        best, best_at, measure = np.inf, 0, np.inf
+        for record in self.history:
+            measure = rule.measure(record)
+            if measure < PROGRESS * best:
+                best, best_at = measure, record.iteration
+        return best, best_at, measure
 
     def _iteration(self, k: int, gamma: float | None, residuals: list[Floats], scale: float, residual: float) -> Record:
         """One iteration (16), (25)."""

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import math
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 
 from . import start as starts
+from .checkpoint import Keeper, read
 from .errors import NoEquilibriumError, NotConvergedError, one_of, positive
 from .history import Record
 from .iteration import Rule, Run
@@ -35,6 +39,10 @@ def solve(
     callback: Callable[[Record], bool | None] | None = None,
     progress: bool | None = None,
     on_failure: str = "raise",
+    checkpoint: str | Path | None = None,
+    checkpoint_every: float = 30.0,
+    resume: bool = False,
+    time_limit: float | None = None,
 ) -> Solution:
     """Solve the contact problem (15) of a scene.
 
@@ -53,20 +61,31 @@ def solve(
     callback: called with each iteration's `Record`; the run ends when it returns True.
     progress: show a progress bar; by default when somebody watches.
     on_failure: "raise", or "return" the solution with its status.
+    checkpoint: a file that keeps the state: written every `checkpoint_every` seconds, at the end and when the run is
+        interrupted; resume: go on from that file, to the same digits, if it is there.
+    time_limit: seconds after which the run stops with the status "stopped".
 
-    Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none.
+    Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
+    CheckpointError for a checkpoint that is damaged or of another run.
     """
     scheme = find_scheme(method)
     one_of("on_failure", on_failure, ("raise", "return"))
     relaxation = _relaxation(gamma, scheme)
     rule = _rule(tolerance, criterion, max_iterations, scheme)
     problems = scene.subproblems(local_solver)
-    run = Run(scene, scheme, problems, _start(scene, problems, scheme, start, previous))
-    with Progress(progress, rule.tolerance, rule.criterion) as bar:
+    if checkpoint is not None and resume and Path(checkpoint).exists():
+        state, history, memory = read(checkpoint, scene, problems, scheme.name)
+        run = Run(scene, scheme, problems, state, history, memory)
+    else:
+        run = Run(scene, scheme, problems, _start(scene, problems, scheme, start, previous))
+    keeper = Keeper(checkpoint, positive("checkpoint_every", checkpoint_every), run)
+    with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
+        deadline = math.inf if time_limit is None else time.monotonic() + positive("time_limit", time_limit)
 
         def observe(record: Record) -> bool:
             bar.update(record)
-            return bool(callback is not None and callback(record))
+            keeper.update()
+            return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
     solution = Solution(scene, problems, run.state, run.history, ending.status, ending.reason, scheme.name)
