@@ -13,17 +13,19 @@ from .contact import Contact
 from .errors import ContactError, LooseBodyError, MeshMismatchError, NotConvergedError
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
-from .load import BodyForce, Pressure, Traction
-from .material import Isotropic
+from .load import BodyForce, Pressure, Resultant, Traction
+from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .parameter import Parameter
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import ContactResult, Solution
 from .solve import solve
-from .support import Displacement, Fixed, Symmetry
+from .support import Displacement, Fixed, Spring, Symmetry
 
 __all__ = [
     "SCHEMES",
+    "Anisotropic",
     "Body",
     "BodyForce",
     "Contact",
@@ -37,15 +39,20 @@ __all__ = [
     "Layer",
     "LinearLayer",
     "LooseBodyError",
+    "Material",
     "Mesh",
     "MeshMismatchError",
     "NotConvergedError",
+    "Orthotropic",
+    "Parameter",
     "PowerLayer",
     "Pressure",
     "Record",
+    "Resultant",
     "Scene",
     "Scheme",
     "Solution",
+    "Spring",
     "Symmetry",
     "TableLayer",
     "Traction",

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 
 import numpy as np
 
 from .body import Body
 from .errors import one_of
 from .layer import Layer
+from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
 
-Gap = float | Callable[[np.ndarray], np.ndarray]
+Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 
 
 class Contact:
     """The possible contact zone S_αβ of two bodies.
 
     first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
-    gap: d(x) in addition to the distance of the two meshes, a number or a function of the coordinates x (dim, points),
-    negative for an interference; quadrature: "gauss", "vertex" or "facet" (see `quadrature`);
+    gap: d(x) in addition to the distance of the two meshes, a number, a function of the coordinates x (dim, points) or
+    a `Parameter`, negative for an interference; quadrature: "gauss", "vertex" or "facet" (see `quadrature`);
     quadrature_degree: another degree of exactness; name: by default "first–second" by the bodies' names.
     """
 
@@ -48,6 +50,12 @@ class Contact:
         self.quadrature = quadrature
         self.quadrature_degree = quadrature_degree
         self.name = name or f"{first[0].name}–{second[0].name}"
+
+    def frozen(self) -> Contact:
+        """The contact with the gap that it has now, whatever becomes of a parameter in it."""
+        other = copy(self)
+        other.gap = current(self.gap)
+        return other
 
     def __repr__(self) -> str:
         zones = " and ".join(f"{body.name}.{surface}" for body, surface in self.sides)

@@ -50,13 +50,14 @@ class CoupledSystem:
 
     def _rigid_motions(self) -> RigidMotions:
         """The rigid motions of all bodies; a contact resists those that change its gap."""
-        modes = scipy.linalg.block_diag(*(problem.rigid.modes for problem in self._problems))
+        parts = [problem.rigid for problem in self._problems]
+        modes, springs = (scipy.linalg.block_diag(*(getattr(p, name) for p in parts)) for name in ("modes", "springs"))
         contacts = [
             Resistance(index, np.sqrt(interface.weights)[:, None] * (total @ modes))
             for index, (interface, total) in enumerate(zip(self._interfaces, self._sums, strict=True))
         ]
-        owners = [problem.rigid.owners[0] for problem in self._problems]
-        return RigidMotions(modes, self._stiffness, contacts, owners)
+        owners = [part.owners[0] for part in parts]
+        return RigidMotions(modes, springs, contacts, owners, max(part.largest for part in parts))
 
     def _sum_of_traces(self, index: int) -> sp.csr_matrix:
         """The operator from all unknowns to u_αn + u_βn at the points of an interface."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import basix
@@ -27,7 +27,8 @@ class ContactSurface:
     """One body's side of a contact: its facets, and its normal displacement at the points of the quadrature rule.
 
     `integration points` are those at which ∫ φ u_n v_n is evaluated, facet by facet; `values` are the places where
-    the law is: the same points or, for the rule "facet", the facets.
+    the law is: the same points or, for the rule "facet", the facets. areas: what each integration point stands for on
+    the mesh; weights: in the body, the full ring of a body of revolution.
     """
 
     def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
@@ -40,7 +41,8 @@ class ContactSurface:
         self.points = facet_points(
             body.mesh.domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1))
         )
-        self.weights = np.tile(weights, len(entities)) * self.points.area
+        self.areas = np.tile(weights, len(entities)) * self.points.area
+        self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
 
     @cached_property
@@ -58,6 +60,8 @@ class ContactSurface:
     @cached_property
     def average(self) -> sp.csr_matrix:
         """From the integration points to the values: the mean over what belongs to each."""
+        if self.rule.name != "facet":
+            return self.spread
         return sp.diags(1.0 / self.value_weights) @ self.spread.T @ sp.diags(self.weights)
 
     @cached_property
@@ -76,7 +80,7 @@ class ContactSurface:
         ).points
         entities = np.repeat(facet_entities(domain, self.facets), len(nodes), axis=0)
         points = facet_points(domain, entities, np.tile(nodes, (len(self.facets), 1)))
-        size = np.sqrt(self.weights.max()) if dim == 3 else self.weights.max()
+        size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
         _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)
         return normal_trace(self.body.space, points)[np.sort(first)]
 
@@ -143,7 +147,7 @@ class Side:
 
 @dataclass(frozen=True)
 class Interface:
-    """A contact at n points.
+    """A contact at n points, with the gap that it has for the present values of its parameters.
 
     x: (n, dim) where on the first surface; normal: (n, dim) its outward normal; weights: (n,) areas; gap: (n,) d;
     sides: both bodies. All contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
@@ -156,6 +160,11 @@ class Interface:
     gap: Floats
     shape: Floats
     sides: tuple[Side, Side]
+
+    def refreshed(self, contact: Contact) -> Interface:
+        """The same interface for the present gap of the user's contact; everything else is shared."""
+        shape = self.sides[0].surface.average @ evaluate("gap", contact.gap, self.sides[0].surface.points.x.T)
+        return replace(self, contact=contact.frozen(), gap=self.gap - self.shape + shape, shape=shape)
 
 
 def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
@@ -172,7 +181,7 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
         Side(bodies[0], first, (first.average @ first.trace).tocsr(), first.spread),
         Side(bodies[1], second, (swap @ second.average @ second.trace).tocsr(), (second.spread @ swap.T).tocsr()),
     )
-    return Interface(contact, x, normal, first.value_weights, distance + shape, shape, sides)
+    return Interface(contact.frozen(), x, normal, first.value_weights, distance + shape, shape, sides)
 
 
 def _partners(contact: Contact, first: ContactSurface, second: ContactSurface) -> NDArray[np.intp]:
@@ -189,7 +198,7 @@ def _partners(contact: Contact, first: ContactSurface, second: ContactSurface) -
     offset = here[:, :, None] - there[facet][:, None]
     normal = first.points.normal.reshape(n, -1, 1, dim)
     tangential = np.linalg.norm(offset - np.sum(offset * normal, axis=-1, keepdims=True) * normal, axis=-1)
-    size = np.sqrt(first.weights.reshape(n, -1).sum(axis=1).max()) if dim == 3 else first.weights.sum() / n
+    size = np.sqrt(first.areas.reshape(n, -1).sum(axis=1).max()) if dim == 3 else first.areas.sum() / n
     if tangential.min(axis=2).max() > 1e-6 * size:
         raise MeshMismatchError(f"contact {contact.name!r}: the facets of the two surfaces do not match")
     return (facet[:, None] * first.per_facet + np.argmin(tangential, axis=2)).ravel()

@@ -48,22 +48,22 @@ class Owner:
 class RigidMotions:
     """The rigid motions that the supports of one body, or of several together, leave free.
 
-    modes: (unknowns, motions), orthonormal within each body; elastic: (motions, motions) the stiffness that springs
-    give them; contacts: what the interfaces add; largest: the largest stiffness of the unknowns.
+    modes: (unknowns, motions), orthonormal within each body; springs: (unknowns, motions) the forces with which springs
+    answer them (a rigid motion meets no other elastic force); contacts: what the interfaces add; largest: the largest
+    stiffness of the unknowns.
     """
 
     def __init__(
         self,
         modes: Floats,
-        stiffness: sp.csr_matrix | Floats,
+        springs: Floats,
         contacts: Sequence[Resistance],
         owners: Sequence[Owner],
+        largest: float,
     ) -> None:
-        self.modes, self.contacts, self.owners = modes, contacts, owners
-        self.largest = float(stiffness.diagonal().max(initial=0.0))
-        self.elastic = modes.T @ (stiffness @ modes)
-        # The elastic energy of a rigid motion is zero but for rounding; what a spring adds is not.
-        self.elastic[np.abs(self.elastic) < 1e-10 * self.largest] = 0.0
+        self.modes, self.springs, self.contacts, self.owners, self.largest = modes, springs, contacts, owners, largest
+        elastic = modes.T @ springs
+        self.elastic = 0.5 * (elastic + elastic.T)
 
     def free(self, phi: Mapping[int, Floats]) -> Floats:
         """The motions that neither springs nor the coefficient φ resist, as columns of coefficients (motions, free)."""
@@ -110,7 +110,7 @@ def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats
     return orthonormal(unknowns @ allowed, allowed)
 
 
-def orthonormal(modes: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """An orthonormal set with the same span, and its coefficients."""
+def orthonormal(modes: Floats, *combined: Floats) -> tuple[Floats, ...]:
+    """An orthonormal set with the same span, and other matrices (n, motions) combined in the same way."""
     q, r = np.linalg.qr(modes)
-    return q, coefficients @ np.linalg.inv(r)
+    return q, *(other @ np.linalg.inv(r) for other in combined)
