@@ -17,6 +17,7 @@ from .load import BodyForce, Pressure, Resultant, Traction
 from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
 from .parameter import Parameter
+from .programme import Path, StepFailedError, programme
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import ContactResult, Solution
@@ -45,6 +46,7 @@ __all__ = [
     "NotConvergedError",
     "Orthotropic",
     "Parameter",
+    "Path",
     "PowerLayer",
     "Pressure",
     "Record",
@@ -53,6 +55,7 @@ __all__ = [
     "Scheme",
     "Solution",
     "Spring",
+    "StepFailedError",
     "Symmetry",
     "TableLayer",
     "Traction",
@@ -60,6 +63,7 @@ __all__ = [
     "from_dolfinx",
     "from_gmsh",
     "one_point",
+    "programme",
     "read_gmsh",
     "rectangle",
     "reference",

@@ -13,7 +13,7 @@ from .body import Body
 from .contact import Contact
 from .errors import one_of
 from .interface import Interface, discretise
-from .parameter import parameters
+from .parameter import Parameter, parameters
 from .subproblem import CondensedSubproblem, Subproblem
 
 Floats = NDArray[np.float64]
@@ -69,10 +69,16 @@ class Scene:
                 pairs = zip(self._subproblems["condensed"], inner, strict=True)
                 self._subproblems["condensed"] = [problem.refreshed_for(made) for problem, made in pairs]
 
-    def _parameter_values(self) -> list[bytes]:
-        """The present values of all parameters in the bodies' data and the contacts' gaps."""
+    def follows(self, parameter: Parameter) -> bool:
+        """Whether any load, prescribed displacement or gap of the scene follows the parameter."""
+        return any(parameter is other for other in self._parameters())
+
+    def _parameters(self) -> list[Parameter]:
         items = [item for body in self.bodies for item in (*body.loads, *body.supports)] + list(self.contacts)
-        return [np.asarray(p.value).tobytes() for item in items for p in parameters(vars(item).values())]
+        return [parameter for item in items for parameter in parameters(vars(item).values())]
+
+    def _parameter_values(self) -> list[bytes]:
+        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters()]
 
     def gaps(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats]) -> list[Floats]:
         """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
