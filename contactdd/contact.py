@@ -44,6 +44,11 @@ class Contact:
         if not isinstance(layer, Layer):
             raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
         one_of("quadrature", quadrature, RULES)
+        if quadrature == "vertex" and first[0].kinematics.ring:
+            raise ValueError(
+                "quadrature = 'vertex' between bodies of revolution: the vertices alone do not integrate 2πr v; "
+                "expected 'gauss' or 'facet'"
+            )
         self.sides = (first, second)
         self.layer = layer
         self.gap = gap
