@@ -20,17 +20,20 @@ from .errors import (
 )
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
-from .load import BodyForce, Pressure, Traction
-from .material import Isotropic
+from .load import BodyForce, Pressure, Resultant, Traction
+from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .parameter import Parameter
+from .programme import Path, StepFailedError, programme
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import ContactResult, Solution
 from .solve import solve
-from .support import Displacement, Fixed, Symmetry
+from .support import Displacement, Fixed, Spring, Symmetry
 
 __all__ = [
     "SCHEMES",
+    "Anisotropic",
     "Body",
     "BodyForce",
     "CheckpointError",
@@ -45,16 +48,23 @@ __all__ = [
     "Layer",
     "LinearLayer",
     "LooseBodyError",
+    "Material",
     "Mesh",
     "MeshMismatchError",
     "NoEquilibriumError",
     "NotConvergedError",
+    "Orthotropic",
+    "Parameter",
+    "Path",
     "PowerLayer",
     "Pressure",
     "Record",
+    "Resultant",
     "Scene",
     "Scheme",
     "Solution",
+    "Spring",
+    "StepFailedError",
     "Symmetry",
     "TableLayer",
     "Traction",
@@ -62,6 +72,7 @@ __all__ = [
     "from_dolfinx",
     "from_gmsh",
     "one_point",
+    "programme",
     "read_gmsh",
     "rectangle",
     "reference",
