@@ -7,7 +7,7 @@ The way of the data: mesh and material → body → contact → scene → solve 
 
 __version__ = "0.1.0"
 
-from . import reference
+from . import compat, reference  # compat first: it makes dolfinx importable where that takes a step
 from .body import Body
 from .contact import Contact
 from .errors import (
@@ -69,6 +69,7 @@ __all__ = [
     "TableLayer",
     "Traction",
     "box",
+    "compat",
     "from_dolfinx",
     "from_gmsh",
     "one_point",
