@@ -150,19 +150,31 @@ class Body:
 
     def elastic_form(self, u: Any, v: Any) -> ufl.Form:
         """a(u, v) = ∫ σ(u) : ε(v) dx, and ∫ k u·v ds of springs."""
-        metadata = {"quadrature_degree": self._material_degree} if self.material.varies else None
-        form = self.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), metadata)
+        form = self.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), self.elastic_metadata)
         springs = self.spring_form(u, v)
         return form if springs is None else form + springs
+
+    @property
+    def elastic_metadata(self) -> dict[str, Any] | None:
+        """The quadrature of a(u, v); None leaves it to UFL, which finds what is exact on simplices.
+
+        On quadrilaterals and hexahedra p + 1 points along each axis are exact where these are parallelograms, and keep
+        the elements' accuracy elsewhere; UFL would take many more.
+        """
+        if self.material.varies:
+            return {"quadrature_degree": self._material_degree}
+        tensor = self.mesh.domain.topology.cell_name() in ("quadrilateral", "hexahedron")
+        straight = compat.coordinate_map(self.mesh.domain).degree == 1
+        return {"quadrature_degree": 2 * self.degree} if tensor and straight and not self.kinematics.ring else None
 
     def spring_form(self, u: Any, v: Any) -> ufl.Form | None:
         """∫ k u·v ds of the springs alone, or None for a body without."""
         forms = [support.form(self, u, v) for support in self.supports if isinstance(support, Spring)]
         return sum(forms[1:], forms[0]) if forms else None
 
-    def load_form(self, v: Any) -> ufl.Form | None:
-        """l(v) = ∫ f·v dx + ∫ p·v ds, or None for a body without loads."""
-        forms = [load.form(self, v) for load in self.loads]
+    def load_form(self, v: Any, loads: Sequence[Load] | None = None) -> ufl.Form | None:
+        """l(v) = ∫ f·v dx + ∫ p·v ds of all loads, or of the given ones; None where there are none."""
+        forms = [load.form(self, v) for load in (self.loads if loads is None else loads)]
         return sum(forms[1:], forms[0]) if forms else None
 
     def robin_form(self, u: Any, v: Any, phi: Any, surface: str, metadata: dict[str, Any]) -> ufl.Form:

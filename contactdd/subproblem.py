@@ -15,14 +15,12 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-import ufl
-from dolfinx import fem
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from . import compat
 from .body import Body
 from .factor import Factor
+from .forms import load_vector, spring_matrix, stiffness_matrix
 from .interface import Interface, Side
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
 from .support import affine_space
@@ -51,10 +49,9 @@ class Subproblem:
     def __init__(self, body: Body, place: int, interfaces: Sequence[Interface]) -> None:
         self.body = body
         self.basis, self.fixed = affine_space(body)
-        u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-        self.full_stiffness = _matrix(body.elastic_form(u, v))
-        springs = body.spring_form(u, v)
-        self.full_springs = sp.csr_matrix(self.full_stiffness.shape) if springs is None else _matrix(springs)
+        self.full_stiffness = stiffness_matrix(body)
+        springs = spring_matrix(body)
+        self.full_springs = sp.csr_matrix(self.full_stiffness.shape) if springs is None else springs
         self.stiffness = (self.basis.T @ self.full_stiffness @ self.basis).tocsr()
         self.ports = [
             Port(
@@ -85,9 +82,7 @@ class Subproblem:
 
     def _set_loads(self) -> None:
         """What follows from the loads and prescribed displacements."""
-        load = self.body.load_form(ufl.TestFunction(self.body.space))
-        full = self.full_stiffness
-        self.full_load = np.zeros(full.shape[0]) if load is None else fem.assemble_vector(compat.form(load)).array
+        full, self.full_load = self.full_stiffness, load_vector(self.body)
         self.load = self.basis.T @ (self.full_load - full @ self.fixed)
         self.constant = 0.5 * self.fixed @ (full @ self.fixed) - self.full_load @ self.fixed
         self.nodal_offset = self._nodal @ self.fixed
@@ -294,10 +289,6 @@ class CondensedSubproblem(Subproblem):
         rhs[self.kept] = 0.0
         response[self.eliminated] = self._inside.solve(rhs)[self.eliminated]
         return response
-
-
-def _matrix(form: ufl.Form) -> sp.csr_matrix:
-    return fem.assemble_matrix(compat.form(form)).to_scipy().tocsr()
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
