@@ -113,7 +113,7 @@ class Solution:
             interface = self._resampled(index, degree)
             gaps = interface.gap.copy()
             for side in interface.sides:
-                gaps -= side.trace @ self.displacement(self.scene.bodies[side.body]).x.array
+                gaps -= self._problems[side.body].seen(self._state.unknowns[side.body], side.trace)
         stress = interface.contact.layer.contact_stress(gaps)
         compression = np.minimum(gaps, 0.0)
         return ContactResult(

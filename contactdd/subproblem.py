@@ -23,7 +23,7 @@ from .factor import Factor
 from .forms import load_vector, spring_matrix, stiffness_matrix
 from .interface import Interface, Side
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
-from .support import affine_space
+from .support import affine_space, columns, within
 
 Floats = NDArray[np.float64]
 
@@ -52,20 +52,19 @@ class Subproblem:
         self.full_stiffness = stiffness_matrix(body)
         springs = spring_matrix(body)
         self.full_springs = sp.csr_matrix(self.full_stiffness.shape) if springs is None else springs
-        self.stiffness = (self.basis.T @ self.full_stiffness @ self.basis).tocsr()
+        self.stiffness = within(self.basis, self.full_stiffness)
         self.ports = [
             Port(
                 index,
                 side,
-                (side.trace @ self.basis).tocsr(),
+                columns(side.trace, self.basis),
                 side.trace @ self.fixed,
-                (side.surface.trace @ self.basis).tocsr(),
+                columns(side.surface.trace, self.basis),
             )
             for index, interface in enumerate(interfaces)
             for side in interface.sides
             if side.body == place
         ]
-        self.nodal_trace = (self._nodal @ self.basis).tocsr()
         self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
         motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
@@ -82,12 +81,22 @@ class Subproblem:
 
     def _set_loads(self) -> None:
         """What follows from the loads and prescribed displacements."""
-        full, self.full_load = self.full_stiffness, load_vector(self.body)
-        self.load = self.basis.T @ (self.full_load - full @ self.fixed)
-        self.constant = 0.5 * self.fixed @ (full @ self.fixed) - self.full_load @ self.fixed
-        self.nodal_offset = self._nodal @ self.fixed
+        self.full_load = load_vector(self.body)
+        prescribed = self.full_stiffness @ self.fixed if np.any(self.fixed) else np.zeros_like(self.fixed)
+        self.load = self.basis.T @ (self.full_load - prescribed)
+        self.constant = float(0.5 * self.fixed @ prescribed - self.full_load @ self.fixed)
+
+    @cached_property
+    def nodal_trace(self) -> sp.csr_matrix:
+        """u_n at the nodes of all contact surfaces from the unknowns, but for `nodal_offset`."""
+        return columns(self._nodal, self.basis)
 
     @property
+    def nodal_offset(self) -> Floats:
+        """u_n at the nodes of all contact surfaces of the prescribed displacements."""
+        return self._nodal @ self.fixed
+
+    @cached_property
     def _nodal(self) -> sp.csr_matrix:
         """u_n at the nodes of all contact surfaces, from all degrees of freedom."""
         return sp.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
@@ -133,6 +142,10 @@ class Subproblem:
         """All degrees of freedom of the displacement."""
         return self.basis @ y + self.fixed
 
+    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats:
+        """operator @ displacement(y), for an operator on all degrees of freedom."""
+        return operator @ self.displacement(y)
+
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""
         return self.basis.T @ (u - self.fixed)
@@ -164,7 +177,7 @@ class Subproblem:
         for port in self.ports:
             surface = port.side.surface
             term = surface.robin.matrix(surface.average @ (port.side.transfer @ phi[port.interface]))
-            term = (self.basis.T @ term @ self.basis).tocsr()
+            term = within(self.basis, term)
             values[_places(self.stiffness, term)] += term.data
         return values
 
@@ -195,7 +208,6 @@ class CondensedSubproblem(Subproblem):
         self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
         self._inside = Factor(inner.stiffness, schur=self.kept)
         self.stiffness = self._inside.complement
-        self.nodal_trace = inner.nodal_trace[:, self.kept]
         self._set_inner(inner)
         self._keep_springs()
         self._set_loads()
@@ -210,7 +222,7 @@ class CondensedSubproblem(Subproblem):
 
     def _set_inner(self, inner: Subproblem) -> None:
         self._inner = inner
-        self.fixed, self.full_load, self.nodal_offset = inner.fixed, inner.full_load, inner.nodal_offset
+        self.fixed, self.full_load = inner.fixed, inner.full_load
         self.ports = [
             Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept]) for p in inner.ports
         ]
@@ -234,8 +246,9 @@ class CondensedSubproblem(Subproblem):
         """The loads on the kept unknowns, their work on rigid motions to the last digit what it was on all of them."""
         inner = self._inner
         inside = self._inside_response(inner.load)
-        self.load = (inner.load - inner.stiffness @ inside)[self.kept]
-        self.constant = inner.constant + float(0.5 * inside @ (inner.stiffness @ inside) - inner.load @ inside)
+        answer = inner.stiffness @ inside
+        self.load = (inner.load - answer)[self.kept]
+        self.constant = inner.constant + float(0.5 * inside @ answer - inner.load @ inside)
         modes = inner.rigid.modes[self.kept]
         if modes.shape[1] > 0:
             work = inner.rigid.modes.T @ inner.load - inner.rigid.springs.T @ inside
@@ -243,6 +256,21 @@ class CondensedSubproblem(Subproblem):
 
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._solve_inside(y))
+
+    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats:
+        known, unknown = np.zeros(self._inner.size), np.ones(self._inner.size)
+        known[self.kept], unknown[self.kept] = y, 0.0
+        if np.any((np.abs(self.basis) @ unknown)[operator.indices]):
+            return super().seen(y, operator)
+        return operator @ self._inner.displacement(known)  # the inside need not be recovered
+
+    @cached_property
+    def nodal_trace(self) -> sp.csr_matrix:
+        return self._inner.nodal_trace[:, self.kept]
+
+    @property
+    def nodal_offset(self) -> Floats:
+        return self._inner.nodal_offset
 
     def restrict(self, u: Floats) -> Floats:
         return self._inner.restrict(u)[self.kept]

@@ -155,6 +155,28 @@ def affine_space(body: Body) -> tuple[sp.csr_matrix, Floats]:
     return _assemble(fixed, blocks), offset.ravel()
 
 
+def columns(matrix: sp.csr_matrix, basis: sp.csr_matrix) -> sp.csr_matrix:
+    """matrix @ Z."""
+    free = _selection(basis)
+    return (matrix @ basis).tocsr() if free is None else matrix[:, free]
+
+
+def within(basis: sp.csr_matrix, matrix: sp.csr_matrix) -> sp.csr_matrix:
+    """Zᵀ @ matrix @ Z."""
+    free = _selection(basis)
+    return (basis.T @ matrix @ basis).tocsr() if free is None else matrix[free][:, free]
+
+
+def _selection(basis: sp.csr_matrix) -> NDArray[np.intp] | None:
+    """The free degrees of freedom, where Z only selects them in order."""
+    rows = np.flatnonzero(np.diff(basis.indptr))
+    size = basis.shape[1]
+    selects = (
+        len(rows) == basis.nnz == size and np.array_equal(basis.indices, np.arange(size)) and np.all(basis.data == 1)
+    )
+    return rows if selects else None
+
+
 def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list[tuple[Floats, float]]) -> Floats:
     """The free directions of a node with tilted conditions (dim, free); writes the node's offset in place."""
     axes = np.eye(len(fixed))[fixed]
