@@ -45,6 +45,20 @@ class Port:
     robin_trace: sp.csr_matrix
 
 
+@dataclass(frozen=True)
+class Fields:
+    """A body's solution in all degrees of freedom.
+
+    displacement: (dofs,); elastic_forces: (dofs,) a(u, ·), of the deformation only, see `start.State`; spring_forces:
+    (dofs,) those of elastic foundations; elastic_energy: ½ a(u, u).
+    """
+
+    displacement: Floats
+    elastic_forces: Floats
+    spring_forces: Floats
+    elastic_energy: float
+
+
 class Subproblem:
     """a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n of one body, in the unknowns y of u = Z y + u₀."""
 
@@ -56,18 +70,7 @@ class Subproblem:
         springs = body.spring_form(u, v)
         self.full_springs = sp.csr_matrix(self.full_stiffness.shape) if springs is None else _matrix(springs)
         self.stiffness = (self.basis.T @ self.full_stiffness @ self.basis).tocsr()
-        self.ports = [
-            Port(
-                index,
-                side,
-                (side.trace @ self.basis).tocsr(),
-                side.trace @ self.fixed,
-                (side.surface.trace @ self.basis).tocsr(),
-            )
-            for index, interface in enumerate(interfaces)
-            for side in interface.sides
-            if side.body == place
-        ]
+        self.ports = ports(place, interfaces, self.basis, self.fixed)
         self.nodal_trace = (self._nodal @ self.basis).tocsr()
         self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
@@ -137,6 +140,12 @@ class Subproblem:
     def displacement(self, y: Floats) -> Floats:
         """All degrees of freedom of the displacement."""
         return self.basis @ y + self.fixed
+
+    def fields(self, y: Floats, deformation: Floats) -> Fields:
+        """What the solution tells of the body."""
+        u, deformed = self.displacement(y), self.displacement(deformation)
+        elastic = self.full_stiffness @ deformed
+        return Fields(u, elastic, self.full_springs @ u, 0.5 * float(deformed @ elastic))
 
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""
@@ -246,11 +255,16 @@ class CondensedSubproblem(Subproblem):
             work = inner.rigid.modes.T @ inner.load - inner.rigid.springs.T @ inside
             self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
 
+    def shared(self) -> Shared:
+        """What other ranks need to know of the problem."""
+        motions = self.rigid.modes, self.rigid.owners[0].coefficients, self.rigid.springs
+        return self.kept, self.stiffness, self.load, self.constant, self.full_load, motions
+
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._solve_inside(y))
 
     def restrict(self, u: Floats) -> Floats:
-        return self._inner.restrict(u)[self.kept]
+        return super().restrict(u)[self.kept]
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
         rows, values = [], []
@@ -294,6 +308,44 @@ class CondensedSubproblem(Subproblem):
         rhs[self.kept] = 0.0
         response[self.eliminated] = self._inside.solve(rhs)[self.eliminated]
         return response
+
+
+class RemoteSubproblem(CondensedSubproblem):
+    """A body that another rank holds, seen from its contacts: all of the condensed problem but the inside."""
+
+    def __init__(self, body: Body, place: int, interfaces: Sequence[Interface], shared: Shared) -> None:
+        self.body = body
+        self.basis, self.fixed = affine_space(body)
+        self.kept, self.stiffness, self.load, self.constant, self.full_load, motions = shared
+        self.ports = [
+            Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept])
+            for p in ports(place, interfaces, self.basis, self.fixed)
+        ]
+        nodal = self._nodal
+        self.nodal_trace, self.nodal_offset = (nodal @ self.basis).tocsr()[:, self.kept], nodal @ self.fixed
+        self.rigid = self._rigid_motions(*motions)
+        self._robin = [_robin_map(port) for port in self.ports]
+
+
+#: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
+#: energy, the load on all degrees of freedom, and the rigid motions with their coefficients and springs.
+Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
+
+
+def ports(place: int, interfaces: Sequence[Interface], basis: sp.csr_matrix, fixed: Floats) -> list[Port]:
+    """Where the interfaces meet the body at a place of the scene, in the unknowns of u = Z y + u₀."""
+    return [
+        Port(
+            index,
+            side,
+            (side.trace @ basis).tocsr(),
+            side.trace @ fixed,
+            (side.surface.trace @ basis).tocsr(),
+        )
+        for index, interface in enumerate(interfaces)
+        for side in interface.sides
+        if side.body == place
+    ]
 
 
 def _matrix(form: ufl.Form) -> sp.csr_matrix:
