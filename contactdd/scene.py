@@ -84,7 +84,7 @@ class Scene:
             if kind != "multigrid":
                 refuse_if_too_large(body)
             if kind == "condensed":
-                made: Subproblem = CondensedSubproblem(self._subproblem("assembled", place))
+                made: Subproblem = CondensedSubproblem(self._subproblem("assembled", place), self.ranks.team(place))
             else:
                 made = (Subproblem if kind == "assembled" else MultigridSubproblem)(body, place, self.interfaces)
             self._subproblems[kind, place] = made

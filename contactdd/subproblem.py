@@ -17,12 +17,13 @@ import scipy.linalg
 import scipy.sparse as sp
 import ufl
 from dolfinx import fem
+from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from . import compat
 from .body import Body
-from .factor import Factor
+from .factor import Factor, SpreadFactor
 from .interface import Interface, Side
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
 from .support import affine_space
@@ -200,14 +201,17 @@ class CondensedSubproblem(Subproblem):
 
     The stiffness becomes the dense Schur complement S, a step costs one dense Cholesky factorisation of S + Φ, and
     the inside is recovered when the displacement is asked for.
+
+    comm: the ranks that eliminate the inside together; all of them have made the same inner problem.
     """
 
-    def __init__(self, inner: Subproblem) -> None:
+    def __init__(self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.body, self.basis = inner.body, inner.basis
         self.full_stiffness, self.full_springs = inner.full_stiffness, inner.full_springs
         self.kept = _touched(inner)
         self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
-        self._inside = Factor(inner.stiffness, schur=self.kept)
+        alone = comm.size == 1
+        self._inside = Factor(inner.stiffness, self.kept) if alone else SpreadFactor(inner.stiffness, self.kept, comm)
         self.stiffness = self._inside.complement
         self.nodal_trace = inner.nodal_trace[:, self.kept]
         self._set_inner(inner)
