@@ -154,7 +154,9 @@ def test_a_modulus_given_as_a_function_is_integrated_over_the_ring_too():
 def test_only_the_axis_is_a_free_rigid_motion():
     scene = cylinders(inner=0.5)
     lower = cd.Body("lower", scene.bodies[0].mesh, STEEL, loads=[cd.Pressure("top", 1.0)], kinematics="axisymmetric")
-    other = cd.Scene([lower, scene.bodies[1]], [cd.Contact((lower, "top"), (scene.bodies[1], "bottom"), LAYER, gap=1.0)])
+    other = cd.Scene(
+        [lower, scene.bodies[1]], [cd.Contact((lower, "top"), (scene.bodies[1], "bottom"), LAYER, gap=1.0)]
+    )
     with pytest.raises(cd.NotConvergedError, match="leave translation along the axis free"):
         cd.solve(other, "chord", start=0.0)
 
