@@ -132,7 +132,7 @@ def main(arguments: list[str] | None = None) -> None:
     print(f"\nasymmetry at {ANGLE:g}°: {numbers['asymmetry']:.4f}, at 0°: {numbers['asymmetry_angle_0']:.1e}")
     print(f"difference of 30° and the mirror image of −30°: {numbers['mirror_difference']:.1e}")
     print(f"force balance: {numbers['force_balance']:.1e}")
-    draw_pressures({0.0: last[0.0], ANGLE: turned, -ANGLE: mirrored, 90.0: last[90.0]}, report.path("pressure.png"))
+    draw_pressures({0.0: last[0.0], ANGLE: turned, -ANGLE: mirrored}, report.path("pressure.png"))
     draw_paths(paths, report.path("paths.png"))
     turned.plot_bodies(component="yy", path=report.path("bodies.png"))
     report.summary(numbers)
