@@ -7,10 +7,17 @@ The way of the data: mesh and material → body → contact → scene → solve 
 
 __version__ = "0.1.0"
 
-from . import reference
+from . import compat, reference  # compat first: it makes dolfinx importable where that takes a step
 from .body import Body
 from .contact import Contact
-from .errors import ContactError, LooseBodyError, MeshMismatchError, NotConvergedError
+from .errors import (
+    CheckpointError,
+    ContactError,
+    LooseBodyError,
+    MeshMismatchError,
+    NoEquilibriumError,
+    NotConvergedError,
+)
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Resultant, Traction
@@ -29,6 +36,7 @@ __all__ = [
     "Anisotropic",
     "Body",
     "BodyForce",
+    "CheckpointError",
     "Contact",
     "ContactError",
     "ContactResult",
@@ -43,6 +51,7 @@ __all__ = [
     "Material",
     "Mesh",
     "MeshMismatchError",
+    "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
     "Parameter",
@@ -60,6 +69,7 @@ __all__ = [
     "TableLayer",
     "Traction",
     "box",
+    "compat",
     "from_dolfinx",
     "from_gmsh",
     "one_point",

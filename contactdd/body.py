@@ -11,7 +11,6 @@ import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
-from dolfinx import mesh as dmesh
 from numpy.typing import NDArray
 
 from . import compat
@@ -103,9 +102,17 @@ class Body:
 
     def ds(self, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Measure:
         """The measure of a named surface."""
-        facets = self.mesh.facets(surface)
-        tags = dmesh.meshtags(self.mesh.domain, self.mesh.dim - 1, facets, 1)
-        return ufl.Measure("ds", domain=self.mesh.domain, subdomain_data=tags, subdomain_id=1, metadata=metadata)
+        self.mesh.facets(surface)  # refuses an unknown name
+        place = list(self.mesh.surfaces).index(surface)
+        return ufl.Measure(
+            "ds", domain=self.mesh.domain, subdomain_data=self._boundary, subdomain_id=place, metadata=metadata
+        )
+
+    @cached_property
+    def _boundary(self) -> list[tuple[int, NDArray[np.int32]]]:
+        """The (cell, local facet) pairs of every named surface; one object, which all integrals of a form share."""
+        domain = self.mesh.domain
+        return [(i, facet_entities(domain, facets).ravel()) for i, facets in enumerate(self.mesh.surfaces.values())]
 
     def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
         """∫ integrand dx over the body, the full ring in a body of revolution."""

@@ -8,7 +8,7 @@ from copy import copy
 import numpy as np
 
 from .body import Body
-from .errors import one_of
+from .errors import one_of, positive
 from .layer import Layer
 from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
@@ -20,9 +20,12 @@ class Contact:
     """The possible contact zone S_αβ of two bodies.
 
     first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
-    gap: d(x) in addition to the distance of the two meshes, a number, a function of the coordinates x (dim, points) or
-    a `Parameter`, negative for an interference; quadrature: "gauss", "vertex" or "facet" (see `quadrature`);
-    quadrature_degree: another degree of exactness; name: by default "first–second" by the bodies' names.
+    gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number, a `Parameter` or a
+    function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
+    do not match; measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for
+    surfaces that fit but whose straight facets do not; search_distance: how far apart partners may be (length), by
+    default the smaller body's size; quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree:
+    another degree of exactness; name: by default "first–second" by the bodies' names.
     """
 
     def __init__(
@@ -32,6 +35,8 @@ class Contact:
         layer: Layer,
         *,
         gap: Gap = 0.0,
+        measure_gap: bool = True,
+        search_distance: float | None = None,
         quadrature: str = "gauss",
         quadrature_degree: int | None = None,
         name: str | None = None,
@@ -52,9 +57,17 @@ class Contact:
         self.sides = (first, second)
         self.layer = layer
         self.gap = gap
+        self.measure_gap = bool(measure_gap)
+        self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
         self.quadrature_degree = quadrature_degree
         self.name = name or f"{first[0].name}–{second[0].name}"
+
+    def resampled(self, degree: int) -> Contact:
+        """The same contact at Gauss points of another degree."""
+        other = copy(self)
+        other.quadrature, other.quadrature_degree = "gauss", degree
+        return other
 
     def frozen(self) -> Contact:
         """The contact with the gap that it has now, whatever becomes of a parameter in it."""

@@ -104,10 +104,6 @@ class Scene:
         """J = Σ ∫ ∫₀^z g⁻."""
         return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True))
 
-    def energy(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats], gaps: Sequence[Floats]) -> float:
-        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        return sum(p.energy(y) for p, y in zip(problems, unknowns, strict=True)) + self.layer_energy(gaps)
-
     def _check(self) -> None:
         for name, count in Counter(body.name for body in self.bodies).items():
             if count > 1:
@@ -115,6 +111,10 @@ class Scene:
         for name, count in Counter(contact.name for contact in self.contacts).items():
             if count > 1:
                 raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
+        touching = {id(body) for contact in self.contacts for body, _ in contact.sides}
+        for body in self.bodies:
+            if id(body) not in touching:
+                raise ValueError(f"body {body.name!r} has no contact; expected bodies that touch others")
         used: dict[tuple[int, int], str] = {}
         for contact in self.contacts:
             self._check_contact(contact, used)

@@ -22,6 +22,7 @@ from .interface import Interface, discretise
 
 if TYPE_CHECKING:
     from .scene import Scene
+    from .start import State
     from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
@@ -33,7 +34,8 @@ class ContactResult:
     """A contact at n points.
 
     x: (n, dim) where; weights: (n,) areas; gap: (n,) the deformed gap z = d − u_αn − u_βn (length); compression: (n,)
-    the layer's w = min(z, 0); pressure: (n,) −σ_n >= 0 (stress); normal: (n, dim) outward of the first body.
+    the layer's w = min(z, 0); pressure: (n,) −σ_n >= 0 (stress); normal: (n, dim) outward of the first body;
+    unmatched: the area of either surface that lies opposite nothing and is therefore outside the contact.
     """
 
     x: Floats
@@ -42,6 +44,7 @@ class ContactResult:
     gap: Floats
     compression: Floats
     pressure: Floats
+    unmatched: tuple[float, float] = (0.0, 0.0)
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -73,16 +76,15 @@ class Solution:
         self,
         scene: Scene,
         problems: Sequence[Subproblem],
-        unknowns: Sequence[Floats],
+        state: State,
         history: History,
         status: str,
         reason: str,
         method: str,
     ) -> None:
         self.scene, self.history, self.status, self.reason, self.method = scene, history, status, reason, method
-        self._problems, self._unknowns = problems, unknowns
+        self._problems, self._state = problems, state
         self._interfaces = scene.interfaces  # as they are now: a parameter may change the scene's later
-        self._gaps = scene.gaps(problems, unknowns)
         self._displacements: dict[str, fem.Function] = {}
 
     @property
@@ -99,38 +101,43 @@ class Solution:
         name = self.scene.bodies[place].name
         if name not in self._displacements:
             function = fem.Function(self.scene.bodies[place].space, name="displacement")
-            function.x.array[:] = self._problems[place].displacement(self._unknowns[place])
+            function.x.array[:] = self._problems[place].displacement(self._state.unknowns[place])
             self._displacements[name] = function
         return self._displacements[name]
 
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
         index = self._contact_index(contact)
-        interface, gaps = self._interfaces[index], self._gaps[index]
+        interface, gaps = self._interfaces[index], self._state.gaps[index]
         if degree is not None:
             interface = self._resampled(index, degree)
             gaps = interface.gap.copy()
             for side in interface.sides:
                 gaps -= side.trace @ self.displacement(self.scene.bodies[side.body]).x.array
         stress = interface.contact.layer.contact_stress(gaps)
-        return ContactResult(interface.x, interface.normal, interface.weights, gaps, np.minimum(gaps, 0.0), -stress)
+        compression = np.minimum(gaps, 0.0)
+        return ContactResult(
+            interface.x, interface.normal, interface.weights, gaps, compression, -stress, interface.unmatched
+        )
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
         """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it."""
         if body is None:
             return sum(self.elastic_energy(each) for each in self.scene.bodies)
-        u = self.displacement(body).x.array
-        return float(0.5 * u @ (self._problems[self._place(body)].full_stiffness @ u))
+        place = self._place(body)
+        u = self._problems[place].displacement(self._state.deformations[place])
+        return float(0.5 * u @ (self._problems[place].full_stiffness @ u))
 
     @property
     def layer_energy(self) -> float:
         """J, the energy of all layers."""
-        return self.scene.layer_energy(self._gaps)
+        return self.scene.layer_energy(self._state.gaps)
 
     @property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        return self.scene.energy(self._problems, self._unknowns, self._gaps)
+        parts = zip(self._problems, self._state.unknowns, self._state.deformations, strict=True)
+        return sum(p.energy(y, e) for p, y, e in parts) + self.layer_energy
 
     def stress(self, body: str | Body) -> fem.Function:
         """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
@@ -157,7 +164,7 @@ class Solution:
         problem, owner = self._problems[place], self.scene.bodies[place]
         loads, u = problem.full_load, self.displacement(body).x.array
         contact = self._contact_load(place)
-        supports = problem.full_stiffness @ u - loads - contact
+        supports = self._elastic_forces(place) - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
         supports = supports - problem.basis @ (problem.basis.T @ supports) - problem.full_springs @ u
         parts = {"loads": loads, "contact": contact, "supports": supports}
@@ -177,12 +184,11 @@ class Solution:
     def residual(self) -> float:
         """‖F₁'(u)‖ over all free displacements relative to the loads and contact forces, found from the fields anew."""
         total = scale = 0.0
-        for place, (problem, body) in enumerate(zip(self._problems, self.scene.bodies, strict=True)):
-            contact = self._contact_load(place)
-            elastic = problem.full_stiffness @ self.displacement(body).x.array
+        for place, problem in enumerate(self._problems):
+            contact, elastic = self._contact_load(place), self._elastic_forces(place)
             total += float(np.sum((problem.basis.T @ (problem.full_load + contact - elastic)) ** 2))
             scale += float(problem.full_load @ problem.full_load + contact @ contact)
-        return float(np.sqrt(total / scale)) if total > 0.0 else 0.0
+        return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
 
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
         """Pressure and gap along a contact: a matplotlib figure."""
@@ -225,9 +231,14 @@ class Solution:
         head = "<tr><th>contact</th><th>peak pressure</th><th>force</th><th>area in contact</th></tr>"
         return f"<p><b>{self.status}</b>: {self.reason} ({self.method})</p><table>{head}{rows}</table>"
 
+    def _elastic_forces(self, place: int) -> Floats:
+        """a(u, ·) for every degree of freedom; of the deformation only, see `State`."""
+        problem = self._problems[place]
+        return problem.full_stiffness @ problem.displacement(self._state.deformations[place])
+
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
-        tractions = self.scene.tractions(self._gaps)
+        tractions = self.scene.tractions(self._state.gaps)
         total = np.zeros_like(self._problems[place].full_load)
         for port in self._problems[place].ports:
             total += port.side.trace.T @ tractions[port.interface]
@@ -236,8 +247,7 @@ class Solution:
     def _resampled(self, index: int, degree: int) -> Interface:
         """The contact at Gauss points of another degree."""
         contact, places = self._interfaces[index].contact, [side.body for side in self._interfaces[index].sides]
-        finer = Contact(*contact.sides, contact.layer, gap=contact.gap, quadrature="gauss", quadrature_degree=degree)
-        return discretise(finer, (places[0], places[1]))
+        return discretise(contact.resampled(degree), (places[0], places[1]))
 
     def _place(self, body: str | Body) -> int:
         for place, other in enumerate(self.scene.bodies):

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
 import scipy.sparse as sp
 import ufl
 from dolfinx import fem
@@ -23,7 +24,7 @@ from . import compat
 from .body import Body
 from .factor import Factor
 from .interface import Interface, Side
-from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal
+from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
 from .support import affine_space
 
 Floats = NDArray[np.float64]
@@ -100,13 +101,17 @@ class Subproblem:
         """The number of unknowns."""
         return len(self.load)
 
-    def energy(self, y: Floats) -> float:
-        """½ a(u, u) − l(u)."""
-        return float(0.5 * y @ (self.stiffness @ y) - self.load @ y) + self.constant
+    def deformation(self, y: Floats) -> Floats:
+        """The unknowns without the rigid motion of a floating body: what elastic forces come from."""
+        return y - self.rigid.modes @ (self.rigid.modes.T @ y) if self.rigid.floating else y
 
-    def residual(self, y: Floats, tractions: Mapping[int, Floats]) -> Floats:
+    def energy(self, y: Floats, deformation: Floats) -> float:
+        """½ a(u, u) − l(u)."""
+        return float(0.5 * deformation @ (self.stiffness @ deformation) - self.load @ y) + self.constant
+
+    def residual(self, deformation: Floats, tractions: Mapping[int, Floats]) -> Floats:
         """−F₁'(u; ·): loads and contact forces (weighted tractions g⁻ by interface) less the elastic forces."""
-        forces = self.load - self.stiffness @ y
+        forces = self.load - self.stiffness @ deformation
         for port in self.ports:
             forces += port.trace.T @ tractions[port.interface]
         return forces
@@ -119,6 +124,14 @@ class Subproblem:
         """
         ground = self.rigid.ground(phi, residual, scale)
         return self._solve(phi, residual, ground)
+
+    def solve_held(self, phi: Mapping[int, Floats], forces: Floats) -> Floats:
+        """(A + Φ)⁻¹ times forces, with any motion held that is free: the body's part of a preconditioner."""
+        return self._solve(phi, forces, pivots(self.rigid.modes @ self.rigid.free(phi)))
+
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        """The modes of A v = λ (A + Φ) v with λ < below, (unknowns, modes): none where A is too large to ask."""
+        return np.zeros((self.size, 0))
 
     def displacement(self, y: Floats) -> Floats:
         """All degrees of freedom of the displacement."""
@@ -245,28 +258,26 @@ class CondensedSubproblem(Subproblem):
             values.append(normal_displacement[port.interface] - port.offset)
         return sp.linalg.lsqr(sp.vstack(rows), np.concatenate(values), atol=1e-15, btol=1e-15)[0]
 
-    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
-        matrix = self.stiffness.copy()
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        matrix = self._system(phi)
+        ground = pivots(self.rigid.modes @ self.rigid.free(phi))
         matrix[ground, ground] += self.rigid.largest
+        return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
+
+    def _system(self, phi: Mapping[int, Floats]) -> Floats:
+        """S + Φ."""
+        matrix = self.stiffness.copy()
         for port, (places, weights) in zip(self.ports, self._robin, strict=True):
             matrix.ravel()[places] += weights @ phi[port.interface]
+        return matrix
+
+    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
+        matrix = self._system(phi)
+        matrix[ground, ground] += self.rigid.largest
         _, solution, info = lapack.dposv(matrix, residual, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
         return solution
-
-    def _balance(self, motions: Floats, work: Floats, modes: Floats) -> None:
-        """Take the rounding of the elimination out of what the free rigid motions feel.
-
-        They must meet no elastic force, and the loads must do the work on them (motions,) that they did before; else
-        a floating body's forces balance only to the rounding of many thousand sums.
-        """
-        springs = motions.T @ self.stiffness @ motions
-        if motions.shape[1] == 0 or np.abs(springs).max() > 1e-10 * self.stiffness.diagonal().max():
-            return
-        felt = motions.T @ self.stiffness
-        self.stiffness = self.stiffness - motions @ felt - felt.T @ motions.T + motions @ (felt @ motions) @ motions.T
-        self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
 
     def _solve_inside(self, kept: Floats) -> Floats:
         """All unknowns of the inner problem: the given kept ones, the others in equilibrium with them."""
@@ -298,7 +309,7 @@ def _elastic_matrices(elastic: ufl.Form, springs: Sequence[ufl.Form]) -> tuple[s
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
     """The unknowns that a contact's normal displacements depend on and, where a body could still move rigidly with
     all of them held, every unknown of the same nodes: the inside must be a well-posed problem."""
-    kept = np.unique(np.concatenate([port.robin_trace.indices for port in problem.ports]))
+    kept = np.unique(np.concatenate([t.indices for port in problem.ports for t in (port.trace, port.robin_trace)]))
     if _hold(problem.rigid.modes[kept]):
         return kept
     dim = problem.body.mesh.dim
