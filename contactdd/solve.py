@@ -54,8 +54,8 @@ def solve(
         of the energy F₁; by default 0.6 for the decomposed methods and "search" for the others.
     tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
-    start: u_n at all contact points (length), or a `Solution` to go on from. By default the decomposed methods and those
-        with a given gamma start from closed contacts, the others from no displacement.
+    start: u_n at all contact points (length), or a `Solution` to go on from. By default the decomposed methods, and all
+        with a given gamma, start from closed contacts, the others from no displacement.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
     local_solver: "condensed" (each body seen from its contacts) or "assembled" (reassemble and refactor every time).
     callback: called with each iteration's `Record`; the run ends when it returns True.
