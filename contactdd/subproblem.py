@@ -67,9 +67,7 @@ class Subproblem:
         self.body = body
         self.basis, self.fixed = affine_space(body)
         u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-        self.full_stiffness = _matrix(body.elastic_form(u, v))
-        springs = body.spring_form(u, v)
-        self.full_springs = sp.csr_matrix(self.full_stiffness.shape) if springs is None else _matrix(springs)
+        self.full_stiffness, self.full_springs = _elastic_matrices(body.elastic_form(u, v), body.spring_forms(u, v))
         self.stiffness = (self.basis.T @ self.full_stiffness @ self.basis).tocsr()
         self.ports = ports(place, interfaces, self.basis, self.fixed)
         self.nodal_trace = (self._nodal @ self.basis).tocsr()
@@ -89,9 +87,10 @@ class Subproblem:
 
     def _set_loads(self) -> None:
         """What follows from the loads and prescribed displacements."""
-        load = self.body.load_form(ufl.TestFunction(self.body.space))
         full = self.full_stiffness
-        self.full_load = np.zeros(full.shape[0]) if load is None else fem.assemble_vector(compat.form(load)).array
+        self.full_load = np.zeros(full.shape[0])
+        for load in self.body.load_forms(ufl.TestFunction(self.body.space)):
+            self.full_load += fem.assemble_vector(compat.form(load)).array
         self.load = self.basis.T @ (self.full_load - full @ self.fixed)
         self.constant = 0.5 * self.fixed @ (full @ self.fixed) - self.full_load @ self.fixed
         self.nodal_offset = self._nodal @ self.fixed
@@ -352,8 +351,15 @@ def ports(place: int, interfaces: Sequence[Interface], basis: sp.csr_matrix, fix
     ]
 
 
-def _matrix(form: ufl.Form) -> sp.csr_matrix:
-    return fem.assemble_matrix(compat.form(form)).to_scipy().tocsr()
+def _elastic_matrices(elastic: ufl.Form, springs: Sequence[ufl.Form]) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """The matrix of a(u, v) with its springs, and that of the springs alone."""
+    elastic, springs = compat.form(elastic), [compat.form(form) for form in springs]
+    total = fem.create_matrix(elastic)
+    for form in (elastic, *springs):
+        fem.assemble_matrix(total, form)
+    total = total.to_scipy().tocsr()
+    alone = [fem.assemble_matrix(form).to_scipy() for form in springs]
+    return total, sum(alone, sp.csr_matrix(total.shape))
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
