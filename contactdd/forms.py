@@ -20,7 +20,7 @@ from . import compat
 from .body import Body
 from .errors import finite
 from .kinematics import KINEMATICS
-from .load import Pressure
+from .load import Load, Pressure
 from .parameter import current
 from .trace import facet_entities
 
@@ -28,38 +28,35 @@ Floats = NDArray[np.float64]
 
 
 def stiffness_matrix(body: Body) -> sp.csr_matrix:
-    """a(u, v) for all degrees of freedom, springs included."""
+    """∫ σ(u) : ε(v) dx for all degrees of freedom."""
     if body.material.varies:
         u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
         return _matrix(compat.form(body.elastic_form(u, v)))
     metadata = body.elastic_metadata or {}
     shared = _elasticity(*_elements(body), body.kinematics.name, metadata.get("quadrature_degree"))
     stiffness = body.kinematics.reduce(body.material.stiffness())
-    matrix = _matrix(shared.on(body, stiffness, np.arange(body.mesh.cells, dtype=np.int32)))
-    springs = spring_matrix(body)
-    return matrix if springs is None else (matrix + springs).tocsr()
+    return _matrix(shared.on(body, stiffness, np.arange(body.mesh.cells, dtype=np.int32)))
 
 
-def spring_matrix(body: Body) -> sp.csr_matrix | None:
-    """∫ k u·v ds of the springs, or None for a body without."""
-    form = body.spring_form(ufl.TrialFunction(body.space), ufl.TestFunction(body.space))
-    return None if form is None else _matrix(compat.form(form))
+def spring_matrix(body: Body) -> sp.csr_matrix:
+    """∫ k u·v ds of all springs."""
+    size = _size(body)
+    forms = body.spring_forms(ufl.TrialFunction(body.space), ufl.TestFunction(body.space))
+    return sum((_matrix(compat.form(form)) for form in forms), sp.csr_matrix((size, size)))
 
 
 def load_vector(body: Body) -> Floats:
     """l(v) for all degrees of freedom."""
-    vector = np.zeros(body.space.dofmap.index_map.size_local * body.space.dofmap.bs)
-    others = []
-    for load in body.loads:
-        value = current(load.value) if isinstance(load, Pressure) else None
-        if np.isscalar(value):
-            shared = _pressure(*_elements(body), body.kinematics.name)
-            facets = facet_entities(body.mesh.domain, body.mesh.facets(load.surface)).ravel()
-            vector += fem.assemble_vector(shared.on(body, finite("pressure", value), facets)).array
-        else:
-            others.append(load)
-    form = body.load_form(ufl.TestFunction(body.space), others) if others else None
-    return vector if form is None else vector + fem.assemble_vector(compat.form(form)).array
+    return sum((_one_load(body, load) for load in body.loads), np.zeros(_size(body)))
+
+
+def _one_load(body: Body, load: Load) -> Floats:
+    value = current(load.value) if isinstance(load, Pressure) else None
+    if not np.isscalar(value):
+        return fem.assemble_vector(compat.form(load.form(body, ufl.TestFunction(body.space)))).array
+    shared = _pressure(*_elements(body), body.kinematics.name)
+    facets = facet_entities(body.mesh.domain, body.mesh.facets(load.surface)).ravel()
+    return fem.assemble_vector(shared.on(body, finite("pressure", value), facets)).array
 
 
 @dataclass(frozen=True)
@@ -114,3 +111,7 @@ def _elements(body: Body) -> tuple[Any, Any]:
 
 def _matrix(form: fem.Form) -> sp.csr_matrix:
     return fem.assemble_matrix(form).to_scipy().tocsr()
+
+
+def _size(body: Body) -> int:
+    return body.space.dofmap.index_map.size_local * body.space.dofmap.bs

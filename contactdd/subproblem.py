@@ -15,11 +15,12 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
+from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from .body import Body
-from .factor import Factor
+from .factor import Factor, SpreadFactor
 from .forms import load_vector, spring_matrix, stiffness_matrix
 from .interface import Interface, Side
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
@@ -43,28 +44,31 @@ class Port:
     robin_trace: sp.csr_matrix
 
 
+@dataclass(frozen=True)
+class Fields:
+    """A body's solution in all degrees of freedom.
+
+    displacement: (dofs,); elastic_forces: (dofs,) a(u, ·), of the deformation only, see `start.State`; spring_forces:
+    (dofs,) those of elastic foundations; elastic_energy: ½ a(u, u).
+    """
+
+    displacement: Floats
+    elastic_forces: Floats
+    spring_forces: Floats
+    elastic_energy: float
+
+
 class Subproblem:
     """a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n of one body, in the unknowns y of u = Z y + u₀."""
 
     def __init__(self, body: Body, place: int, interfaces: Sequence[Interface]) -> None:
         self.body = body
         self.basis, self.fixed = affine_space(body)
-        self.full_stiffness = stiffness_matrix(body)
-        springs = spring_matrix(body)
-        self.full_springs = sp.csr_matrix(self.full_stiffness.shape) if springs is None else springs
+        self.full_springs = spring_matrix(body)
+        elastic = stiffness_matrix(body)
+        self.full_stiffness = (elastic + self.full_springs).tocsr() if self.full_springs.nnz else elastic
         self.stiffness = within(self.basis, self.full_stiffness)
-        self.ports = [
-            Port(
-                index,
-                side,
-                columns(side.trace, self.basis),
-                side.trace @ self.fixed,
-                columns(side.surface.trace, self.basis),
-            )
-            for index, interface in enumerate(interfaces)
-            for side in interface.sides
-            if side.body == place
-        ]
+        self.ports = ports(place, interfaces, self.basis, self.fixed)
         self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
         motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
@@ -142,9 +146,15 @@ class Subproblem:
         """All degrees of freedom of the displacement."""
         return self.basis @ y + self.fixed
 
-    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats:
-        """operator @ displacement(y), for an operator on all degrees of freedom."""
-        return operator @ self.displacement(y)
+    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats | None:
+        """operator @ displacement(y) where the unknowns alone tell it, else None; operator: on all dofs."""
+        return operator @ (self.basis @ y + self.fixed)
+
+    def fields(self, y: Floats, deformation: Floats) -> Fields:
+        """What the solution tells of the body."""
+        u, deformed = self.displacement(y), self.displacement(deformation)
+        elastic = self.full_stiffness @ deformed
+        return Fields(u, elastic, self.full_springs @ u, 0.5 * float(deformed @ elastic))
 
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""
@@ -199,14 +209,17 @@ class CondensedSubproblem(Subproblem):
 
     The stiffness becomes the dense Schur complement S, a step costs one dense Cholesky factorisation of S + Φ, and
     the inside is recovered when the displacement is asked for.
+
+    comm: the ranks that eliminate the inside together; all of them have made the same inner problem.
     """
 
-    def __init__(self, inner: Subproblem) -> None:
+    def __init__(self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.body, self.basis = inner.body, inner.basis
         self.full_stiffness, self.full_springs = inner.full_stiffness, inner.full_springs
         self.kept = _touched(inner)
         self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
-        self._inside = Factor(inner.stiffness, schur=self.kept)
+        alone = comm.size == 1
+        self._inside = Factor(inner.stiffness, self.kept) if alone else SpreadFactor(inner.stiffness, self.kept, comm)
         self.stiffness = self._inside.complement
         self._set_inner(inner)
         self._keep_springs()
@@ -254,26 +267,27 @@ class CondensedSubproblem(Subproblem):
             work = inner.rigid.modes.T @ inner.load - inner.rigid.springs.T @ inside
             self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
 
+    def shared(self) -> Shared:
+        """What other ranks need to know of the problem."""
+        motions = self.rigid.modes, self.rigid.owners[0].coefficients, self.rigid.springs
+        return self.kept, self.stiffness, self.load, self.constant, self.full_load, motions
+
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._solve_inside(y))
 
-    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats:
-        known, unknown = np.zeros(self._inner.size), np.ones(self._inner.size)
+    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats | None:
+        known, unknown = np.zeros(self.basis.shape[1]), np.ones(self.basis.shape[1])
         known[self.kept], unknown[self.kept] = y, 0.0
         if np.any((np.abs(self.basis) @ unknown)[operator.indices]):
-            return super().seen(y, operator)
-        return operator @ self._inner.displacement(known)  # the inside need not be recovered
+            return None
+        return super().seen(known, operator)
 
     @cached_property
     def nodal_trace(self) -> sp.csr_matrix:
-        return self._inner.nodal_trace[:, self.kept]
-
-    @property
-    def nodal_offset(self) -> Floats:
-        return self._inner.nodal_offset
+        return columns(self._nodal, self.basis)[:, self.kept]
 
     def restrict(self, u: Floats) -> Floats:
-        return self._inner.restrict(u)[self.kept]
+        return super().restrict(u)[self.kept]
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
         rows, values = [], []
@@ -317,6 +331,42 @@ class CondensedSubproblem(Subproblem):
         rhs[self.kept] = 0.0
         response[self.eliminated] = self._inside.solve(rhs)[self.eliminated]
         return response
+
+
+class RemoteSubproblem(CondensedSubproblem):
+    """A body that another rank holds, seen from its contacts: all of the condensed problem but the inside."""
+
+    def __init__(self, body: Body, place: int, interfaces: Sequence[Interface], shared: Shared) -> None:
+        self.body = body
+        self.basis, self.fixed = affine_space(body)
+        self.kept, self.stiffness, self.load, self.constant, self.full_load, motions = shared
+        self.ports = [
+            Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept])
+            for p in ports(place, interfaces, self.basis, self.fixed)
+        ]
+        self.rigid = self._rigid_motions(*motions)
+        self._robin = [_robin_map(port) for port in self.ports]
+
+
+#: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
+#: energy, the load on all degrees of freedom, and the rigid motions with their coefficients and springs.
+Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
+
+
+def ports(place: int, interfaces: Sequence[Interface], basis: sp.csr_matrix, fixed: Floats) -> list[Port]:
+    """Where the interfaces meet the body at a place of the scene, in the unknowns of u = Z y + u₀."""
+    return [
+        Port(
+            index,
+            side,
+            columns(side.trace, basis),
+            side.trace @ fixed,
+            columns(side.surface.trace, basis),
+        )
+        for index, interface in enumerate(interfaces)
+        for side in interface.sides
+        if side.body == place
+    ]
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
