@@ -19,7 +19,7 @@ from .load import Load
 from .material import Material
 from .mesh import Mesh
 from .support import Spring, Support
-from .trace import facet_entities, facet_points
+from .trace import facet_points
 
 Floats = NDArray[np.float64]
 
@@ -111,8 +111,7 @@ class Body:
     @cached_property
     def _boundary(self) -> list[tuple[int, NDArray[np.int32]]]:
         """The (cell, local facet) pairs of every named surface; one object, which all integrals of a form share."""
-        domain = self.mesh.domain
-        return [(i, facet_entities(domain, facets).ravel()) for i, facets in enumerate(self.mesh.surfaces.values())]
+        return [(place, self.mesh.entities(name).ravel()) for place, name in enumerate(self.mesh.surfaces)]
 
     def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
         """∫ integrand dx over the body, the full ring in a body of revolution."""
@@ -127,7 +126,7 @@ class Body:
 
     def area(self, surface: str) -> float:
         """∫ 1 ds over a named surface, by the rule of `area_metadata`."""
-        entities = facet_entities(self.mesh.domain, self.mesh.facets(surface))
+        entities = self.mesh.entities(surface)
         if len(entities) == 0:
             raise ValueError(f"surface = {surface!r} of body {self.name!r}: it has no facets")
         cell = compat.coordinate_map(self.mesh.domain).cell_type

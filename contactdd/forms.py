@@ -22,7 +22,6 @@ from .errors import finite
 from .kinematics import KINEMATICS
 from .load import Load, Pressure
 from .parameter import current
-from .trace import facet_entities
 
 Floats = NDArray[np.float64]
 
@@ -55,7 +54,7 @@ def _one_load(body: Body, load: Load) -> Floats:
     if not np.isscalar(value):
         return fem.assemble_vector(compat.form(load.form(body, ufl.TestFunction(body.space)))).array
     shared = _pressure(*_elements(body), body.kinematics.name)
-    facets = facet_entities(body.mesh.domain, body.mesh.facets(load.surface)).ravel()
+    facets = body.mesh.entities(load.surface).ravel()
     return fem.assemble_vector(shared.on(body, finite("pressure", value), facets)).array
 
 

@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from . import compat
 from .errors import finite, one_of
+from .trace import facet_entities
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 #: The cells of a structured mesh along one axis: how many equal ones, or where they end.
@@ -61,6 +63,17 @@ class Mesh:
             known = _listed(list(self.surfaces))
             raise ValueError(f"surface = {surface!r}: the mesh has no surface of that name (it has {known})")
         return self.surfaces[surface]
+
+    def entities(self, surface: str) -> NDArray[np.int32]:
+        """(cell, local facet) of each facet of a named surface, (facets, 2)."""
+        self.facets(surface)  # refuses an unknown name
+        return self._entities[surface]
+
+    @cached_property
+    def _entities(self) -> dict[str, NDArray[np.int32]]:
+        ends = np.cumsum([len(facets) for facets in self.surfaces.values()])
+        pairs = facet_entities(self.domain, np.concatenate(list(self.surfaces.values())))
+        return dict(zip(self.surfaces, np.split(pairs, ends[:-1]), strict=True))
 
     def with_surfaces(self, **markers: Marker) -> Mesh:
         """The same mesh with more named surfaces, each given by a function x (3, points) -> bool of boundary facets."""

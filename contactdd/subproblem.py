@@ -186,7 +186,7 @@ class Subproblem:
         values = self.stiffness.data.copy()
         for port in self.ports:
             surface = port.side.surface
-            term = surface.robin.matrix(surface.average @ (port.side.transfer @ phi[port.interface]))
+            term = surface.robin.matrix(surface.mean(port.side.transfer @ phi[port.interface]))
             term = within(self.basis, term)
             values[_places(self.stiffness, term)] += term.data
         return values
@@ -224,7 +224,6 @@ class CondensedSubproblem(Subproblem):
         self._set_inner(inner)
         self._keep_springs()
         self._set_loads()
-        self._robin = [_robin_map(port) for port in self.ports]
 
     def refreshed_for(self, inner: Subproblem) -> CondensedSubproblem:
         """The same condensed problem for `inner` with other loads and prescribed displacements."""
@@ -302,6 +301,12 @@ class CondensedSubproblem(Subproblem):
         matrix[ground, ground] += self.rigid.largest
         return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
 
+    @cached_property
+    def _robin(self) -> list[tuple[NDArray[np.intp], sp.csr_matrix]]:
+        """Where the Robin terms stand in the matrix, and the operators from φ to their entries."""
+        maps = [product_map(port.robin_trace, port.side.surface.weights) for port in self.ports]
+        return [(places, (m @ port.side.transfer).tocsr()) for port, (places, m) in zip(self.ports, maps, strict=True)]
+
     def _system(self, phi: Mapping[int, Floats]) -> Floats:
         """S + Φ."""
         matrix = self.stiffness.copy()
@@ -345,7 +350,6 @@ class RemoteSubproblem(CondensedSubproblem):
             for p in ports(place, interfaces, self.basis, self.fixed)
         ]
         self.rigid = self._rigid_motions(*motions)
-        self._robin = [_robin_map(port) for port in self.ports]
 
 
 #: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
@@ -390,18 +394,19 @@ def _hold(modes: Floats) -> bool:
     return len(singular) == modes.shape[1] and singular[-1] > 1e-8 * singular[0]
 
 
-def _robin_map(port: Port) -> tuple[NDArray[np.intp], sp.csr_matrix]:
-    """Where in the flattened matrix the Robin term stands, and the operator from φ to its entries there."""
-    trace = port.robin_trace.tocsr()
+def product_map(trace: sp.csr_matrix, weights: Floats) -> tuple[NDArray[np.intp], sp.csr_matrix]:
+    """Where the entries of traceᵀ diag(weights φ) trace stand in the flattened matrix, and the operator from φ to them.
+
+    For values that change in every step at places that never do.
+    """
     counts = np.diff(trace.indptr)
     point = np.repeat(np.arange(len(counts)), counts**2)
     start = np.repeat(trace.indptr[:-1], counts**2)
     local = np.arange(len(point)) - np.repeat(np.cumsum(counts**2) - counts**2, counts**2)
     i, j = start + local // counts[point], start + local % counts[point]
     places, entry = np.unique(trace.indices[i] * np.int64(trace.shape[1]) + trace.indices[j], return_inverse=True)
-    values = trace.data[i] * trace.data[j] * port.side.surface.weights[point]
-    weights = sp.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
-    return places, (weights @ port.side.transfer).tocsr()
+    values = trace.data[i] * trace.data[j] * weights[point]
+    return places, sp.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
 
 
 def _places(matrix: sp.csr_matrix, term: sp.csr_matrix) -> NDArray[np.intp]:

@@ -16,7 +16,7 @@ from .errors import one_of, positive
 from .field import Field, coefficient, evaluate
 from .material import Number
 from .parameter import fixed_number
-from .trace import facet_entities, facet_points
+from .trace import facet_points
 
 if TYPE_CHECKING:
     from .body import Body
@@ -228,7 +228,7 @@ def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> sp.csr_mat
 
 def _plane_normal(body: Body, surface: str) -> Floats:
     """The outward normal of a flat surface; a curved one is refused."""
-    entities = facet_entities(body.mesh.domain, body.mesh.facets(surface))
+    entities = body.mesh.entities(surface)
     middle = np.full((len(entities), body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
     normals = facet_points(body.mesh.domain, entities, middle).normal
     mean = normals.mean(axis=0)
