@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ class Grid:
     x: Floats
     y: Floats
 
-    @property
+    @cached_property
     def points(self) -> tuple[Floats, Floats]:
         """Nine Gauss points on each facet of the contact, and their weights: where p(x) is asked for."""
         reference, weights = np.polynomial.legendre.leggauss(9)

@@ -32,6 +32,8 @@ from .problem import (
 
 MOST = 40
 
+ng.SetNumThreads(1)
+
 
 def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
     """The groove on triangles or quadrilaterals of that degree by "newton" or "pcg"."""
