@@ -249,6 +249,8 @@ class Run:
         ]
 
         def slope(t: float) -> float:
+            if t == 0.0:
+                return -descent
             layers = sum(float(w @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return t * (elastic + layers) - descent
 
