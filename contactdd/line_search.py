@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 from scipy.optimize import brentq
 
@@ -15,6 +16,7 @@ def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) ->
 
     slope: dF₁/dt, which never decreases and is negative at 0. The largest step tried is returned if it stays negative.
     """
+    slope = cache(slope)
     if slope(0.0) >= 0.0:  # at the minimum to rounding
         return 1.0
     if abs(slope(1.0)) <= ACCURACY * abs(slope(0.0)):  # Newton's step, as always near the end
