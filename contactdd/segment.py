@@ -141,7 +141,7 @@ def _clip(polygons: Floats, windows: Floats) -> tuple[Floats, Indices]:
 def _without_rounding(polygons: Floats, count: Indices, areas: Floats) -> tuple[Floats, Indices]:
     """The polygons without corners that only rounding has made: doubled ones, then those in the middle of an edge.
 
-    Where edges of both surfaces lie on each other it is chance whether such corners appear. areas: (n,) to compare with.
+    Where edges of both surfaces lie on each other it is chance whether such corners appear. areas: (n,) to compare to.
     """
     places = np.arange(polygons.shape[1])
     for doubled in (True, False):
