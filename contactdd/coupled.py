@@ -11,23 +11,33 @@ from numpy.typing import NDArray
 
 from .factor import Factor
 from .interface import Interface
-from .rigid import Resistance, RigidMotions
+from .rigid import joint_motions
 from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
 
+#: Unknowns up to which one dense Cholesky factorisation beats a sparse one of the same blocks.
+LARGEST_DENSE = 600
+
 
 class CoupledSystem:
-    """A + Σ ∫ φ [u_αn + u_βn][v_αn + v_βn], in the unknowns of all bodies one after another."""
+    """A + Σ ∫ φ [u_αn + u_βn][v_αn + v_βn], in the unknowns of all bodies one after another.
 
-    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
+    rigid: the free rigid motions of the bodies together; factored: whether `correct` will be asked for.
+    """
+
+    def __init__(
+        self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], *, factored: bool = True
+    ) -> None:
         self._problems, self._interfaces = problems, interfaces
         self._ends = np.cumsum([problem.size for problem in problems])
-        self._dense = all(isinstance(problem.stiffness, np.ndarray) for problem in problems)
-        blocks = [problem.stiffness for problem in problems]
-        self._stiffness = scipy.linalg.block_diag(*blocks) if self._dense else sp.block_diag(blocks, format="csr")
+        condensed = all(isinstance(problem.stiffness, np.ndarray) for problem in problems)
+        self._dense = condensed and self._ends[-1] <= LARGEST_DENSE
+        if factored:
+            blocks = [problem.stiffness for problem in problems]
+            self._stiffness = scipy.linalg.block_diag(*blocks) if self._dense else sp.block_diag(blocks, format="csr")
         self._sums = [self._sum_of_traces(index) for index in range(len(interfaces))]
-        self._rigid = self._rigid_motions()
+        self.rigid = joint_motions(problems, interfaces)
 
     def correct(self, phi: Mapping[int, Floats], residuals: Sequence[Floats], scale: float) -> list[Floats]:
         """The Newton correction of every body's unknowns.
@@ -37,7 +47,7 @@ class CoupledSystem:
         """
         matrix, rhs = self._stiffness, np.concatenate(residuals)
         ground = np.zeros(len(rhs))
-        ground[self._rigid.ground(phi, rhs, scale)] = self._rigid.largest
+        ground[self.rigid.ground(phi, rhs, scale)] = self.rigid.largest
         for index, total in enumerate(self._sums):
             term = total.T @ sp.diags(self._interfaces[index].weights * phi[index]) @ total
             matrix = matrix + (term.toarray() if self._dense else term)
@@ -48,15 +58,13 @@ class CoupledSystem:
             correction = Factor((matrix + sp.diags(ground)).tocsr()).solve(rhs)
         return np.split(correction, self._ends[:-1])
 
-    def _rigid_motions(self) -> RigidMotions:
-        """The rigid motions of all bodies; a contact resists those that change its gap."""
-        modes = scipy.linalg.block_diag(*(problem.rigid.modes for problem in self._problems))
-        contacts = [
-            Resistance(index, np.sqrt(interface.weights)[:, None] * (total @ modes))
-            for index, (interface, total) in enumerate(zip(self._interfaces, self._sums, strict=True))
-        ]
-        owners = [problem.rigid.owners[0] for problem in self._problems]
-        return RigidMotions(modes, self._stiffness, contacts, owners)
+    def apply(self, phi: Mapping[int, Floats], unknowns: Floats) -> Floats:
+        """The system times a vector."""
+        parts = np.split(unknowns, self._ends[:-1])
+        result = np.concatenate([p.stiffness @ p.deformation(y) for p, y in zip(self._problems, parts, strict=True)])
+        for index, total in enumerate(self._sums):
+            result += total.T @ (self._interfaces[index].weights * phi[index] * (total @ unknowns))
+        return result
 
     def _sum_of_traces(self, index: int) -> sp.csr_matrix:
         """The operator from all unknowns to u_αn + u_βn at the points of an interface."""

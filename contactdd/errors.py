@@ -36,6 +36,24 @@ class NotConvergedError(ContactError):
         self.solution = solution
 
 
+class NoEquilibriumError(NotConvergedError):
+    """A scene without equilibrium: the loads move a body for ever.
+
+    Attributes: `body`, its name; `motion`, in words; `status`, `reason` and `solution`, the last state.
+    """
+
+    def __init__(self, body: str, motion: str, solution: Any) -> None:
+        super().__init__(
+            "no equilibrium", f"the loads move body {body!r} for ever: nothing stops its {motion}", solution
+        )
+        self.body = body
+        self.motion = motion
+
+
+class CheckpointError(ContactError, ValueError):
+    """A checkpoint that is missing, damaged or of another run."""
+
+
 class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
 
@@ -50,7 +68,7 @@ def positive(name: str, value: Any) -> float:
 
 def finite(name: str, value: Any) -> float:
     """`value` as a float, refused unless it is a finite number."""
-    if isinstance(value, bool) or not np.isscalar(value):
+    if isinstance(value, (bool, str)) or not np.isscalar(value):
         raise TypeError(f"{name} = {value!r}: expected a number")
     try:
         number = float(value)

@@ -15,7 +15,8 @@ class Record:
 
     iteration: from 1; gamma: γ^k; change: the largest over the bodies of ‖u_n^{k+1} − u_n^k‖₂ / ‖u_n^{k+1}‖₂;
     residual: ‖F₁'(u^k)‖ relative to the forces at work; energy: F₁(u^k); contact: the area where z^k < 0;
-    phi_min, phi_max: the range of φ^k; seconds: CPU time since the start.
+    phi_min, phi_max: the range of φ^k; body_solves: solves of single bodies so far; seconds: CPU time since the start;
+    note: what the method decided.
     """
 
     iteration: int
@@ -26,7 +27,9 @@ class Record:
     contact: float
     phi_min: float
     phi_max: float
+    body_solves: int
     seconds: float
+    note: str = ""
 
 
 COLUMNS = tuple(field.name for field in fields(Record))
@@ -59,7 +62,7 @@ class History:
         """The (last) iterations as text."""
         rows = self._records if last is None else self._records[-last:]
         head = " ".join(f"{name:>11}" for name in COLUMNS)
-        return "\n".join([head] + [" ".join(_cell(value) for value in astuple(row)) for row in rows])
+        return "\n".join([head] + [" ".join(_cell(value) for value in astuple(row)).rstrip() for row in rows])
 
     def __repr__(self) -> str:
         return f"History of {len(self)} iterations\n{self.table(last=10)}"
@@ -70,5 +73,7 @@ class History:
         return f"<table><tr>{head}</tr>{''.join('<tr>' + ''.join(row) + '</tr>' for row in cells)}</table>"
 
 
-def _cell(value: float) -> str:
+def _cell(value: float | str) -> str:
+    if isinstance(value, str):
+        return value
     return f"{value:>11d}" if isinstance(value, int) else f"{value:>11.4g}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import basix
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from . import compat
 from .body import Body
-from .contact import Contact
+from .contact import Contact, Gap
 from .errors import MeshMismatchError
 from .field import evaluate
 from .quadrature import Rule, rule
@@ -27,7 +27,8 @@ class ContactSurface:
     """One body's side of a contact: its facets, and its normal displacement at the points of the quadrature rule.
 
     `integration points` are those at which ∫ φ u_n v_n is evaluated, facet by facet; `values` are the places where
-    the law is: the same points or, for the rule "facet", the facets.
+    the law is: the same points or, for the rule "facet", the facets. areas: what each integration point stands for on
+    the mesh; weights: in the body, the full ring of a body of revolution.
     """
 
     def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
@@ -39,7 +40,8 @@ class ContactSurface:
         self.points = facet_points(
             body.mesh.domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1))
         )
-        self.weights = np.tile(weights, len(entities)) * self.points.area
+        self.areas = np.tile(weights, len(entities)) * self.points.area
+        self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
 
     @cached_property
@@ -57,6 +59,8 @@ class ContactSurface:
     @cached_property
     def average(self) -> sp.csr_matrix:
         """From the integration points to the values: the mean over what belongs to each."""
+        if self.rule.name != "facet":
+            return self.spread
         return sp.diags(1.0 / self.value_weights) @ self.spread.T @ sp.diags(self.weights)
 
     @cached_property
@@ -87,14 +91,14 @@ class ContactSurface:
 
     @cached_property
     def nodal_trace(self) -> sp.csr_matrix:
-        """The normal displacement at the nodes of the surface, each node once: what the paper's stopping rule looks at."""
+        """The normal displacement at the nodes of the surface, each once: what the paper's stopping rule looks at."""
         domain, dim = self.body.mesh.domain, self.body.mesh.dim
         nodes = basix.create_element(
             basix.ElementFamily.P, facet_type(domain), self.body.degree, basix.LagrangeVariant.equispaced
         ).points
         entities = np.repeat(facet_entities(domain, self.facets), len(nodes), axis=0)
         points = facet_points(domain, entities, np.tile(nodes, (len(self.facets), 1)))
-        size = np.sqrt(self.weights.max()) if dim == 3 else self.weights.max()
+        size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
         _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)
         return normal_trace(self.body.space, points)[np.sort(first)]
 
@@ -160,12 +164,23 @@ class Side:
 
 
 @dataclass(frozen=True)
+class GivenGap:
+    """Where a given gap is evaluated, points (m, dim), and how the values at an interface follow, mean (n, m)."""
+
+    points: Floats
+    mean: sp.csr_matrix
+
+    def at(self, gap: Gap) -> Floats:
+        return self.mean @ evaluate("gap", gap, self.points.T)
+
+
+@dataclass(frozen=True)
 class Interface:
-    """A contact at n points.
+    """A contact at n points, with the gap that it has for the present values of its parameters.
 
     x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; gap: (n,) d;
-    shape: (n,) the part of d that is given, not found from the meshes; sides: both bodies; unmatched: the area of
-    either surface that has no partner. All contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    shape: (n,) the part of d that is given, not found from the meshes, and how: given; sides: both bodies; unmatched:
+    the area of either surface that has no partner. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -174,8 +189,14 @@ class Interface:
     weights: Floats
     gap: Floats
     shape: Floats
+    given: GivenGap
     sides: tuple[Side, Side]
     unmatched: tuple[float, float] = (0.0, 0.0)
+
+    def refreshed(self, contact: Contact) -> Interface:
+        """The same interface for the present gap of the user's contact; everything else is shared."""
+        shape = self.given.at(contact.gap)
+        return replace(self, contact=contact.frozen(), gap=self.gap - self.shape + shape, shape=shape)
 
 
 def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
@@ -189,14 +210,15 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
         return _on_segments(contact, bodies, first, second, reach)
     x, normal = first.average @ first.points.x, first.average @ first.points.normal
     distance = np.sum(((second.average @ second.points.x)[partner] - x) * normal, axis=1)
-    shape = first.average @ evaluate("gap", contact.gap, first.points.x.T)
+    given = GivenGap(first.points.x, first.average)
+    shape = given.at(contact.gap)
     swap = sp.csr_matrix((np.ones(len(partner)), (np.arange(len(partner)), partner)))
     sides = (
         Side(bodies[0], first, (first.average @ first.trace).tocsr(), first.spread),
         Side(bodies[1], second, (swap @ second.average @ second.trace).tocsr(), (second.spread @ swap.T).tocsr()),
     )
     gap = shape + contact.measure_gap * distance
-    return Interface(contact, x, normal, first.value_weights, gap, shape, sides)
+    return Interface(contact.frozen(), x, normal, first.value_weights, gap, shape, given, sides)
 
 
 def _on_segments(
@@ -216,7 +238,8 @@ def _on_segments(
         values, weights = sp.eye(len(partners.weights), format="csr"), partners.weights
         member = np.arange(len(weights))
     normal = values @ partners.normal
-    shape = values @ evaluate("gap", contact.gap, partners.middle.T)
+    given = GivenGap(partners.middle, values)
+    shape = given.at(contact.gap)
     sides = tuple(
         Side(
             bodies[place],
@@ -228,12 +251,13 @@ def _on_segments(
     )
     unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
     return Interface(
-        contact,
+        contact.frozen(),
         values @ partners.points[0].x,
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
         weights,
         shape + contact.measure_gap * (values @ partners.gap),
         shape,
+        given,
         (sides[0], sides[1]),
         (unmatched[0], unmatched[1]),
     )

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import matplotlib.figure
 import numpy as np
+from matplotlib.image import imsave
 from numpy.typing import NDArray
 
 from .solution import STRESSES
@@ -27,26 +29,29 @@ class Picture:
     pixels: NDArray[np.uint8]
 
     def save(self, path: str | Path) -> Path:
-        from matplotlib.image import imsave
-
         imsave(path, self.pixels)
         return Path(path)
 
     def _repr_png_(self) -> bytes:
-        from matplotlib.image import imsave
-
         buffer = io.BytesIO()
         imsave(buffer, self.pixels, format="png")
         return buffer.getvalue()
 
 
-def plot_contact(solution: Solution, contact: str | int | Contact = 0, *, path: str | Path | None = None) -> Any:
-    """Pressure and deformed gap along a contact, the closed part shaded: a matplotlib figure, written to `path` if given.
+class Figure(matplotlib.figure.Figure):
+    """A matplotlib figure that belongs to no window and shows itself in a notebook."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = io.BytesIO()
+        self.savefig(buffer, format="png", dpi=100)
+        return buffer.getvalue()
+
+
+def plot_contact(solution: Solution, contact: str | int | Contact = 0, *, path: str | Path | None = None) -> Figure:
+    """Pressure and deformed gap along a contact, the closed part shaded: a matplotlib figure, also saved to `path`.
 
     In the plane the curves run along the contact; in space the pressure is drawn over it.
     """
-    from matplotlib.figure import Figure
-
     result = solution.contact(contact)
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
     if result.x.shape[1] == 2:
@@ -55,7 +60,7 @@ def plot_contact(solution: Solution, contact: str | int | Contact = 0, *, path: 
         _draw_map(figure, result)
     if path is not None:
         figure.savefig(path, dpi=150)
-    return _shown(figure)
+    return figure
 
 
 def plot_bodies(
@@ -238,11 +243,3 @@ def _in_notebook() -> bool:
     import sys
 
     return "ipykernel" in sys.modules
-
-
-def _shown(figure: Any) -> Any:
-    """Give a figure that belongs to no pyplot window what a notebook needs to show it."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    FigureCanvasAgg(figure)
-    return figure

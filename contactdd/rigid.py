@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
@@ -16,6 +18,10 @@ from numpy.typing import NDArray
 
 from .errors import LooseBodyError
 from .kinematics import Kinematics
+
+if TYPE_CHECKING:
+    from .interface import Interface
+    from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
 
@@ -45,25 +51,31 @@ class Owner:
     coefficients: Floats
 
 
+@dataclass(frozen=True)
 class RigidMotions:
     """The rigid motions that the supports of one body, or of several together, leave free.
 
-    modes: (unknowns, motions), orthonormal within each body; elastic: (motions, motions) the stiffness that springs
-    give them; contacts: what the interfaces add; largest: the largest stiffness of the unknowns.
+    modes: (unknowns, motions), orthonormal within each body; springs: (unknowns, motions) the forces with which springs
+    answer them (a rigid motion meets no other elastic force); contacts: what the interfaces add; owners: whose motions
+    they are; largest: the largest stiffness of the unknowns.
     """
 
-    def __init__(
-        self,
-        modes: Floats,
-        stiffness: sp.csr_matrix | Floats,
-        contacts: Sequence[Resistance],
-        owners: Sequence[Owner],
-    ) -> None:
-        self.modes, self.contacts, self.owners = modes, contacts, owners
-        self.largest = float(stiffness.diagonal().max(initial=0.0))
-        self.elastic = modes.T @ (stiffness @ modes)
-        # The elastic energy of a rigid motion is zero but for rounding; what a spring adds is not.
-        self.elastic[np.abs(self.elastic) < 1e-10 * self.largest] = 0.0
+    modes: Floats
+    springs: Floats
+    contacts: Sequence[Resistance]
+    owners: Sequence[Owner]
+    largest: float
+
+    @cached_property
+    def elastic(self) -> Floats:
+        """The stiffness that springs give the motions, (motions, motions)."""
+        elastic = self.modes.T @ self.springs
+        return 0.5 * (elastic + elastic.T)
+
+    @property
+    def floating(self) -> bool:
+        """Whether there are free motions and no spring resists any of them."""
+        return self.modes.shape[1] > 0 and not np.any(self.springs)
 
     def free(self, phi: Mapping[int, Floats]) -> Floats:
         """The motions that neither springs nor the coefficient φ resist, as columns of coefficients (motions, free)."""
@@ -72,8 +84,8 @@ class RigidMotions:
             return np.zeros((0, 0))
         held = self.elastic + sum(contact.matrix(phi) for contact in self.contacts)
         values, vectors = (held[0], np.ones((1, 1))) if count == 1 else np.linalg.eigh(held)
-        # Below this the Robin term is lost in the rounding of the stiffness.
-        return vectors[:, values <= 1e-14 * self.largest]
+        # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
+        return vectors[:, values <= 1e-14 * max(self.largest, float(np.abs(held).max()))]
 
     def ground(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
         """Unknowns to hold so that no motion is free, none if none is.
@@ -88,7 +100,7 @@ class RigidMotions:
         # Loads and contact forces on one body cancel to rounding; 1e-9 leaves room for that and for no real load.
         if np.abs(work).max() > 1e-9 * scale:
             raise self.loose(free @ work)
-        return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: free.shape[1]]
+        return pivots(motions)
 
     def loose(self, motion: Floats) -> LooseBodyError:
         """The error that names the body which a motion (coefficients) moves most, and how."""
@@ -96,6 +108,31 @@ class RigidMotions:
         parts = np.split(motion, ends[:-1])
         owner, part = max(zip(self.owners, parts, strict=True), key=lambda pair: float(np.linalg.norm(pair[1])))
         return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part))
+
+
+def joint_motions(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> RigidMotions:
+    """The free rigid motions of all bodies together; a contact resists those that change its gap."""
+    sizes = np.cumsum([0] + [problem.rigid.modes.shape[1] for problem in problems])
+    closing = [np.zeros((len(interface.weights), sizes[-1])) for interface in interfaces]
+    for place, problem in enumerate(problems):
+        for port in problem.ports:
+            closing[port.interface][:, sizes[place] : sizes[place + 1]] += port.trace @ problem.rigid.modes
+    contacts = [
+        Resistance(index, np.sqrt(interface.weights)[:, None] * rows)
+        for index, (interface, rows) in enumerate(zip(interfaces, closing, strict=True))
+    ]
+    modes = scipy.linalg.block_diag(*(problem.rigid.modes for problem in problems))
+    springs = scipy.linalg.block_diag(*(problem.rigid.springs for problem in problems))
+    largest = max(problem.rigid.largest for problem in problems)
+    owners = [owner for problem in problems for owner in problem.rigid.owners]
+    return RigidMotions(modes, springs, contacts, owners, largest)
+
+
+def pivots(motions: Floats) -> NDArray[np.intp]:
+    """As many unknowns as there are motions (unknowns, motions), such that holding them stops every motion."""
+    if motions.shape[1] == 0:
+        return np.zeros(0, dtype=np.intp)
+    return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: motions.shape[1]]
 
 
 def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats]:
@@ -110,7 +147,7 @@ def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats
     return orthonormal(unknowns @ allowed, allowed)
 
 
-def orthonormal(modes: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """An orthonormal set with the same span, and its coefficients."""
+def orthonormal(modes: Floats, *combined: Floats) -> tuple[Floats, ...]:
+    """An orthonormal set with the same span, and other matrices (n, motions) combined in the same way."""
     q, r = np.linalg.qr(modes)
-    return q, coefficients @ np.linalg.inv(r)
+    return q, *(other @ np.linalg.inv(r) for other in combined)

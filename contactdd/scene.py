@@ -13,6 +13,7 @@ from .body import Body
 from .contact import Contact
 from .errors import one_of
 from .interface import Interface, discretise
+from .parameter import Parameter, parameters
 from .subproblem import CondensedSubproblem, Subproblem
 
 Floats = NDArray[np.float64]
@@ -28,6 +29,7 @@ class Scene:
         self.contacts = tuple(contacts)
         self._check()
         self._subproblems: dict[str, list[Subproblem]] = {}
+        self._read = self._parameter_values()
 
     def __repr__(self) -> str:
         lines = [f"Scene of {len(self.bodies)} bodies and {len(self.contacts)} contacts"]
@@ -42,6 +44,8 @@ class Scene:
     def subproblems(self, local_solver: str) -> list[Subproblem]:
         """Every body's linear problem, in order, "assembled" or "condensed"."""
         one_of("local_solver", local_solver, LOCAL_SOLVERS)
+        if self._parameter_values() != self._read:
+            self.refresh()
         if local_solver not in self._subproblems:
             if local_solver == "assembled":
                 made = [Subproblem(body, place, self.interfaces) for place, body in enumerate(self.bodies)]
@@ -49,6 +53,32 @@ class Scene:
                 made = [CondensedSubproblem(problem) for problem in self.subproblems("assembled")]
             self._subproblems[local_solver] = made
         return self._subproblems[local_solver]
+
+    def refresh(self) -> None:
+        """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.
+
+        A solve does it by itself when a `Parameter` of the scene has another value than before. Only a function that
+        changed in another way has to be told of.
+        """
+        self._read = self._parameter_values()
+        if "interfaces" in vars(self):
+            self.interfaces = [i.refreshed(c) for i, c in zip(self.interfaces, self.contacts, strict=True)]
+        if "assembled" in self._subproblems:
+            inner = self._subproblems["assembled"] = [p.refreshed() for p in self._subproblems["assembled"]]
+            if "condensed" in self._subproblems:
+                pairs = zip(self._subproblems["condensed"], inner, strict=True)
+                self._subproblems["condensed"] = [problem.refreshed_for(made) for problem, made in pairs]
+
+    def follows(self, parameter: Parameter) -> bool:
+        """Whether any load, prescribed displacement or gap of the scene follows the parameter."""
+        return any(parameter is other for other in self._parameters())
+
+    def _parameters(self) -> list[Parameter]:
+        items = [item for body in self.bodies for item in (*body.loads, *body.supports)] + list(self.contacts)
+        return [parameter for item in items for parameter in parameters(vars(item).values())]
+
+    def _parameter_values(self) -> list[bytes]:
+        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters()]
 
     def gaps(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats]) -> list[Floats]:
         """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
@@ -74,10 +104,6 @@ class Scene:
         """J = Σ ∫ ∫₀^z g⁻."""
         return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True))
 
-    def energy(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats], gaps: Sequence[Floats]) -> float:
-        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        return sum(p.energy(y) for p, y in zip(problems, unknowns, strict=True)) + self.layer_energy(gaps)
-
     def _check(self) -> None:
         for name, count in Counter(body.name for body in self.bodies).items():
             if count > 1:
@@ -85,6 +111,10 @@ class Scene:
         for name, count in Counter(contact.name for contact in self.contacts).items():
             if count > 1:
                 raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
+        touching = {id(body) for contact in self.contacts for body, _ in contact.sides}
+        for body in self.bodies:
+            if id(body) not in touching:
+                raise ValueError(f"body {body.name!r} has no contact; expected bodies that touch others")
         used: dict[tuple[int, int], str] = {}
         for contact in self.contacts:
             self._check_contact(contact, used)
@@ -96,6 +126,8 @@ class Scene:
         for body, surface in contact.sides:
             if not any(body is other for other in self.bodies):
                 raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
+            if body.kinematics.ring != contact.sides[0][0].kinematics.ring:
+                raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
             for facet in body.mesh.facets(surface):
                 key = (id(body), int(facet))
                 if key in used:

@@ -24,12 +24,23 @@ Coefficient = Callable[[Layer, Floats, Floats, Floats], Floats]
 
 @dataclass(frozen=True)
 class Scheme:
-    """A scheme: its name, its coefficient φ, whether bodies are solved apart, and its equation in the paper."""
+    """A scheme.
+
+    name; coefficient: its φ; step: how the linear problem is solved: "apart" (every body on its own), "direct" (all
+    coupled), "krylov" (coupled, by solves of the bodies apart) or "auto"; equation: in the paper; accelerated: whether
+    Anderson's method mixes the iterates.
+    """
 
     name: str
     coefficient: Coefficient
-    decomposed: bool
+    step: str
     equation: str
+    accelerated: bool = False
+
+    @property
+    def decomposed(self) -> bool:
+        """Whether an iteration is one solve per body, relaxed."""
+        return self.step == "apart"
 
 
 def semismooth(layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
@@ -66,20 +77,23 @@ def one_point(psi: Subset) -> Scheme:
     def coefficient(layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
         return np.where(np.asarray(psi(z, x), dtype=bool), everywhere(layer, z, z_previous, x), 0.0)
 
-    return Scheme("one-point, own ψ", coefficient, True, "(22)")
+    return Scheme("one-point, own ψ", coefficient, "apart", "(22)")
 
 
 SCHEMES = {
     scheme.name: scheme
     for scheme in (
-        Scheme("neumann", nowhere, True, "(22), ψ ≡ 0"),
-        Scheme("robin", everywhere, True, "(22), ψ ≡ 1"),
-        Scheme("one-point", semismooth, True, "(22), ψ = χ"),
-        Scheme("chord", chord, True, "(32)"),
-        Scheme("kurchatov", kurchatov, True, "(36)"),
-        Scheme("newton", semismooth, False, "(17)"),
-        Scheme("newton-chord", chord, False, "(26)"),
-        Scheme("newton-kurchatov", kurchatov, False, "(27)"),
+        Scheme("neumann", nowhere, "apart", "(22), ψ ≡ 0"),
+        Scheme("robin", everywhere, "apart", "(22), ψ ≡ 1"),
+        Scheme("one-point", semismooth, "apart", "(22), ψ = χ"),
+        Scheme("chord", chord, "apart", "(32)"),
+        Scheme("kurchatov", kurchatov, "apart", "(36)"),
+        Scheme("newton", semismooth, "direct", "(17)"),
+        Scheme("newton-chord", chord, "direct", "(26)"),
+        Scheme("newton-kurchatov", kurchatov, "direct", "(27)"),
+        Scheme("anderson", chord, "apart", "(32)", accelerated=True),
+        Scheme("newton-krylov", semismooth, "krylov", "(17)"),
+        Scheme("auto", semismooth, "auto", "(17)"),
     )
 }
 

@@ -8,10 +8,12 @@ displacement and reassembles and refactors its matrix at each step, the plain re
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+import scipy.linalg
 import scipy.sparse as sp
 import ufl
 from dolfinx import fem
@@ -22,7 +24,7 @@ from . import compat
 from .body import Body
 from .factor import Factor
 from .interface import Interface, Side
-from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal
+from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
 from .support import affine_space
 
 Floats = NDArray[np.float64]
@@ -50,13 +52,10 @@ class Subproblem:
         self.body = body
         self.basis, self.fixed = affine_space(body)
         u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-        full = fem.assemble_matrix(compat.form(body.elastic_form(u, v))).to_scipy().tocsr()
-        load = body.load_form(v)
-        self.full_stiffness = full
-        self.full_load = np.zeros(full.shape[0]) if load is None else fem.assemble_vector(compat.form(load)).array
-        self.stiffness = (self.basis.T @ full @ self.basis).tocsr()
-        self.load = self.basis.T @ (self.full_load - full @ self.fixed)
-        self.constant = 0.5 * self.fixed @ (full @ self.fixed) - self.full_load @ self.fixed
+        self.full_stiffness = _matrix(body.elastic_form(u, v))
+        springs = body.spring_form(u, v)
+        self.full_springs = sp.csr_matrix(self.full_stiffness.shape) if springs is None else _matrix(springs)
+        self.stiffness = (self.basis.T @ self.full_stiffness @ self.basis).tocsr()
         self.ports = [
             Port(
                 index,
@@ -69,24 +68,51 @@ class Subproblem:
             for side in interface.sides
             if side.body == place
         ]
-        nodal = sp.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
-        self.nodal_trace, self.nodal_offset = (nodal @ self.basis).tocsr(), nodal @ self.fixed
+        self.nodal_trace = (self._nodal @ self.basis).tocsr()
+        self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
-        self.rigid = self._rigid_motions(*allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis))
+        motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
+        self.rigid = self._rigid_motions(*motions, self.basis.T @ (self.full_springs @ (self.basis @ motions[0])))
         self._factor: Factor | None = None
+
+    def refreshed(self) -> Subproblem:
+        """The same problem for the present loads and prescribed displacements; all matrices are shared."""
+        other = copy(self)
+        other.fixed = affine_space(self.body)[1]
+        other.ports = [replace(port, offset=port.side.trace @ other.fixed) for port in self.ports]
+        other._set_loads()
+        return other
+
+    def _set_loads(self) -> None:
+        """What follows from the loads and prescribed displacements."""
+        load = self.body.load_form(ufl.TestFunction(self.body.space))
+        full = self.full_stiffness
+        self.full_load = np.zeros(full.shape[0]) if load is None else fem.assemble_vector(compat.form(load)).array
+        self.load = self.basis.T @ (self.full_load - full @ self.fixed)
+        self.constant = 0.5 * self.fixed @ (full @ self.fixed) - self.full_load @ self.fixed
+        self.nodal_offset = self._nodal @ self.fixed
+
+    @property
+    def _nodal(self) -> sp.csr_matrix:
+        """u_n at the nodes of all contact surfaces, from all degrees of freedom."""
+        return sp.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
 
     @property
     def size(self) -> int:
         """The number of unknowns."""
         return len(self.load)
 
-    def energy(self, y: Floats) -> float:
-        """½ a(u, u) − l(u)."""
-        return float(0.5 * y @ (self.stiffness @ y) - self.load @ y) + self.constant
+    def deformation(self, y: Floats) -> Floats:
+        """The unknowns without the rigid motion of a floating body: what elastic forces come from."""
+        return y - self.rigid.modes @ (self.rigid.modes.T @ y) if self.rigid.floating else y
 
-    def residual(self, y: Floats, tractions: Mapping[int, Floats]) -> Floats:
+    def energy(self, y: Floats, deformation: Floats) -> float:
+        """½ a(u, u) − l(u)."""
+        return float(0.5 * deformation @ (self.stiffness @ deformation) - self.load @ y) + self.constant
+
+    def residual(self, deformation: Floats, tractions: Mapping[int, Floats]) -> Floats:
         """−F₁'(u; ·): loads and contact forces (weighted tractions g⁻ by interface) less the elastic forces."""
-        forces = self.load - self.stiffness @ y
+        forces = self.load - self.stiffness @ deformation
         for port in self.ports:
             forces += port.trace.T @ tractions[port.interface]
         return forces
@@ -99,6 +125,14 @@ class Subproblem:
         """
         ground = self.rigid.ground(phi, residual, scale)
         return self._solve(phi, residual, ground)
+
+    def solve_held(self, phi: Mapping[int, Floats], forces: Floats) -> Floats:
+        """(A + Φ)⁻¹ times forces, with any motion held that is free: the body's part of a preconditioner."""
+        return self._solve(phi, forces, pivots(self.rigid.modes @ self.rigid.free(phi)))
+
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        """The modes of A v = λ (A + Φ) v with λ < below, (unknowns, modes): none where A is too large to ask."""
+        return np.zeros((self.size, 0))
 
     def displacement(self, y: Floats) -> Floats:
         """All degrees of freedom of the displacement."""
@@ -139,7 +173,7 @@ class Subproblem:
             values[_places(self.stiffness, term)] += term.data
         return values
 
-    def _rigid_motions(self, modes: Floats, coefficients: Floats) -> RigidMotions:
+    def _rigid_motions(self, modes: Floats, coefficients: Floats, springs: Floats) -> RigidMotions:
         contacts = [
             Resistance(
                 port.interface,
@@ -149,7 +183,7 @@ class Subproblem:
             for port in self.ports
         ]
         owner = Owner(self.body.name, self.body.kinematics, coefficients)
-        return RigidMotions(modes, self.stiffness, contacts, [owner])
+        return RigidMotions(modes, springs, contacts, [owner], float(self.stiffness.diagonal().max(initial=0.0)))
 
 
 class CondensedSubproblem(Subproblem):
@@ -160,24 +194,57 @@ class CondensedSubproblem(Subproblem):
     """
 
     def __init__(self, inner: Subproblem) -> None:
-        self.body, self.basis, self.fixed = inner.body, inner.basis, inner.fixed
-        self.full_stiffness, self.full_load, self.constant = inner.full_stiffness, inner.full_load, inner.constant
-        self._inner = inner
+        self.body, self.basis = inner.body, inner.basis
+        self.full_stiffness, self.full_springs = inner.full_stiffness, inner.full_springs
         self.kept = _touched(inner)
         self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
         self._inside = Factor(inner.stiffness, schur=self.kept)
         self.stiffness = self._inside.complement
-        inside = self._solve_inside(np.zeros(len(self.kept)))
-        self.load = (inner.load - inner.stiffness @ inside)[self.kept]
-        self.constant += float(0.5 * inside @ (inner.stiffness @ inside) - inner.load @ inside)
+        self.nodal_trace = inner.nodal_trace[:, self.kept]
+        self._set_inner(inner)
+        self._keep_springs()
+        self._set_loads()
+        self._robin = [_robin_map(port) for port in self.ports]
+
+    def refreshed_for(self, inner: Subproblem) -> CondensedSubproblem:
+        """The same condensed problem for `inner` with other loads and prescribed displacements."""
+        other = copy(self)
+        other._set_inner(inner)
+        other._set_loads()
+        return other
+
+    def _set_inner(self, inner: Subproblem) -> None:
+        self._inner = inner
+        self.fixed, self.full_load, self.nodal_offset = inner.fixed, inner.full_load, inner.nodal_offset
         self.ports = [
             Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept]) for p in inner.ports
         ]
-        self.nodal_trace, self.nodal_offset = inner.nodal_trace[:, self.kept], inner.nodal_offset
-        motions = orthonormal(inner.rigid.modes[self.kept], inner.rigid.owners[0].coefficients)
-        self._balance(motions[0], inner.rigid.modes.T @ inner.load, inner.rigid.modes[self.kept])
-        self.rigid = self._rigid_motions(*motions)
-        self._robin = [_robin_map(port) for port in self.ports]
+
+    def _keep_springs(self) -> None:
+        """Find the rigid motions, and take the rounding of the elimination out of the elastic forces that they meet.
+
+        They must meet none but those of springs; else a floating body's forces balance only to the rounding of many
+        thousand sums, and soft springs are lost in it.
+        """
+        rigid = self._inner.rigid
+        springs = rigid.springs[self.kept]
+        if np.any(rigid.springs):
+            springs = springs - self._inner.stiffness[self.kept] @ self._inside_response(rigid.springs)
+        q, coefficients, springs = orthonormal(rigid.modes[self.kept], rigid.owners[0].coefficients, springs)
+        self.rigid = self._rigid_motions(q, coefficients, springs)
+        wrong = q.T @ self.stiffness - springs.T
+        self.stiffness = self.stiffness - q @ wrong - wrong.T @ q.T + q @ (wrong @ q) @ q.T
+
+    def _set_loads(self) -> None:
+        """The loads on the kept unknowns, their work on rigid motions to the last digit what it was on all of them."""
+        inner = self._inner
+        inside = self._inside_response(inner.load)
+        self.load = (inner.load - inner.stiffness @ inside)[self.kept]
+        self.constant = inner.constant + float(0.5 * inside @ (inner.stiffness @ inside) - inner.load @ inside)
+        modes = inner.rigid.modes[self.kept]
+        if modes.shape[1] > 0:
+            work = inner.rigid.modes.T @ inner.load - inner.rigid.springs.T @ inside
+            self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
 
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._solve_inside(y))
@@ -192,37 +259,45 @@ class CondensedSubproblem(Subproblem):
             values.append(normal_displacement[port.interface] - port.offset)
         return sp.linalg.lsqr(sp.vstack(rows), np.concatenate(values), atol=1e-15, btol=1e-15)[0]
 
-    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
-        matrix = self.stiffness.copy()
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        matrix = self._system(phi)
+        ground = pivots(self.rigid.modes @ self.rigid.free(phi))
         matrix[ground, ground] += self.rigid.largest
+        return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
+
+    def _system(self, phi: Mapping[int, Floats]) -> Floats:
+        """S + Φ."""
+        matrix = self.stiffness.copy()
         for port, (places, weights) in zip(self.ports, self._robin, strict=True):
             matrix.ravel()[places] += weights @ phi[port.interface]
+        return matrix
+
+    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
+        matrix = self._system(phi)
+        matrix[ground, ground] += self.rigid.largest
         _, solution, info = lapack.dposv(matrix, residual, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
         return solution
 
-    def _balance(self, motions: Floats, work: Floats, modes: Floats) -> None:
-        """Take the rounding of the elimination out of what the free rigid motions feel.
-
-        They must meet no elastic force, and the loads must do the work on them (motions,) that they did before; else
-        a floating body's forces balance only to the rounding of many thousand sums.
-        """
-        springs = motions.T @ self.stiffness @ motions
-        if motions.shape[1] == 0 or np.abs(springs).max() > 1e-10 * self.stiffness.diagonal().max():
-            return
-        felt = motions.T @ self.stiffness
-        self.stiffness = self.stiffness - motions @ felt - felt.T @ motions.T + motions @ (felt @ motions) @ motions.T
-        self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
-
     def _solve_inside(self, kept: Floats) -> Floats:
         """All unknowns of the inner problem: the given kept ones, the others in equilibrium with them."""
         y = np.zeros(self._inner.size)
         y[self.kept] = kept
-        rhs = self._inner.load - self._inner.stiffness @ y
+        return y + self._inside_response(self._inner.load - self._inner.stiffness @ y)
+
+    def _inside_response(self, forces: Floats) -> Floats:
+        """What forces (unknowns,) or (unknowns, n) move inside, the kept unknowns held."""
+        if forces.ndim == 2:
+            return np.column_stack([self._inside_response(force) for force in forces.T])
+        rhs, response = forces.copy(), np.zeros(len(forces))
         rhs[self.kept] = 0.0
-        y[self.eliminated] = self._inside.solve(rhs)[self.eliminated]
-        return y
+        response[self.eliminated] = self._inside.solve(rhs)[self.eliminated]
+        return response
+
+
+def _matrix(form: ufl.Form) -> sp.csr_matrix:
+    return fem.assemble_matrix(compat.form(form)).to_scipy().tocsr()
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:

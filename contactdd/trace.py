@@ -48,7 +48,7 @@ def facet_entities(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> NDArray[np.
 
 
 def facet_points(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> FacetPoints:
-    """The points of the facets `entities` (n, 2), one each, at the reference facet's coordinates `points` (n, dim - 1)."""
+    """One point on each of the facets `entities` (n, 2), at the reference facet's coordinates `points` (n, dim - 1)."""
     frame, local = _reference_facets(domain), entities[:, 1]
     reference = frame.to_cell(local, points)
     x, jacobian = _map(domain, entities[:, 0], reference)

@@ -4,10 +4,10 @@ import contactdd as cd
 
 steel = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
 sides = [cd.Symmetry("left", "right")]
-lower = cd.Body(
-    "lower", cd.rectangle((0, 0), (4, 1), (32, 16)), steel, supports=sides, loads=[cd.Pressure("bottom", 10)]
-)
-upper = cd.Body("upper", cd.rectangle((0, 1), (4, 2), (32, 16)), steel, supports=sides, loads=[cd.Pressure("top", 10)])
+mesh = cd.rectangle((0, 0), (4, 1), (32, 16))
+lower = cd.Body("lower", mesh, steel, supports=sides, loads=[cd.Pressure("bottom", 10)])
+mesh = cd.rectangle((0, 1), (4, 2), (32, 16))
+upper = cd.Body("upper", mesh, steel, supports=sides, loads=[cd.Pressure("top", 10)])
 
 
 def groove(x):
@@ -16,7 +16,7 @@ def groove(x):
 
 layer = cd.PowerLayer(B=4e-6, a=1.1)
 contact = cd.Contact((lower, "top"), (upper, "bottom"), layer, gap=groove)
-solution = cd.solve(cd.Scene([lower, upper], [contact]), "chord", gamma=0.6)
+solution = cd.solve(cd.Scene([lower, upper], [contact]))
 print(solution)
 solution.plot_contact(path="contact.png")
 solution.plot_bodies(component="yy", path="bodies.png")

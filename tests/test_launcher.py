@@ -20,9 +20,7 @@ RUN = str(ROOT / "run")
 def launch(*command, stdin="", cwd=None, **environment):
     """Run a command through the launcher, here unless the environment says otherwise."""
     env = {**os.environ, "CONTACTDD_RUN": "here", **environment}
-    return subprocess.run(
-        [RUN, *command], input=stdin, capture_output=True, text=True, cwd=cwd, env=env, timeout=60
-    )
+    return subprocess.run([RUN, *command], input=stdin, capture_output=True, text=True, cwd=cwd, env=env, timeout=60)
 
 
 @pytest.fixture
@@ -67,7 +65,7 @@ def test_python_script(tmp_path):
     script = tmp_path / "a script.py"
     script.write_text("import sys, pathlib\nprint(ascii(sys.argv[1:]), sys.path[1], pathlib.Path.cwd())")
     done = launch("a script.py", *ARGUMENTS, cwd=tmp_path)
-    assert done.stdout == f"{ascii(ARGUMENTS)} {ROOT} {tmp_path}\n"
+    assert done.stdout == f"{ARGUMENTS!a} {ROOT} {tmp_path}\n"
 
 
 def test_pytest(tmp_path):
@@ -92,8 +90,8 @@ signal.signal({int(signum)}, lambda *_: sys.exit(42))
 print("ready", flush=True)
 time.sleep(60)"""
     env = {**os.environ, "CONTACTDD_RUN": "here"}
-    with subprocess.Popen([RUN, sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                          env=env, text=True) as process:  # fmt: skip
+    command = [RUN, sys.executable, "-c", code]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, env=env, text=True) as process:
         assert process.stdout.readline() == "ready\n"
         process.send_signal(signum)
         assert process.wait(timeout=30) == 42
@@ -130,9 +128,7 @@ def test_the_dockerfile_reads_the_same_packages():
 
     sed = re.search(r"\$\((sed '[^']*') \S*\.debian-packages\)", (ROOT / "Dockerfile").read_text())
     assert sed, "the Dockerfile reads .debian-packages"
-    listed = subprocess.run(
-        f"{sed[1]} .debian-packages", shell=True, cwd=ROOT, capture_output=True, text=True
-    )
+    listed = subprocess.run(f"{sed[1]} .debian-packages", shell=True, cwd=ROOT, capture_output=True, text=True)
     assert listed.stdout.split() == packages
 
 

@@ -33,9 +33,7 @@ LAYERS = {
         cubic,
         derivative=cubic_derivative,
         energy=lambda w: w**2 / 2 + w**4 / 4,
-        inverse=lambda s: np.array([np.roots([1, 0, 1, -v])[-1].real for v in np.ravel(s)]).reshape(
-            np.shape(s)
-        ),
+        inverse=lambda s: np.array([np.roots([1, 0, 1, -v])[-1].real for v in np.ravel(s)]).reshape(np.shape(s)),
     ),
     "table": TableLayer([0.2, 0.5, 1.5], [1.0, 4.0, 40.0]),
 }

@@ -1,0 +1,48 @@
+"""Whether a scene can be in equilibrium at all.
+
+F₁ is convex, so it has no minimum exactly where some motion lowers it for ever: a rigid motion on which the loads do
+work, that meets no elastic force and closes no gap. A linear programme finds such a motion or excludes it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+
+from .errors import LooseBodyError
+from .interface import Interface
+from .rigid import joint_motions
+from .subproblem import Subproblem
+
+Floats = NDArray[np.float64]
+
+
+def escape(problems: Sequence[Subproblem], interfaces: Sequence[Interface], scale: float) -> LooseBodyError | None:
+    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion.
+
+    scale: the size of the forces at work.
+    """
+    motions = joint_motions(problems, interfaces)
+    count = motions.modes.shape[1]
+    if count == 0:
+        return None
+    # Motions that springs resist are no way out.
+    free = scipy.linalg.null_space(motions.elastic, rcond=1e-12) if np.any(motions.elastic) else np.eye(count)
+    work = free.T @ motions.modes.T @ np.concatenate([problem.load for problem in problems])
+    if free.shape[1] == 0 or np.abs(work).max() <= 1e-9 * scale:
+        return None
+    closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
+    found = linprog(
+        -work / np.abs(work).max(),
+        A_ub=closes / np.abs(closes).max(initial=np.finfo(float).tiny),
+        b_ub=np.zeros(len(closes)),
+        bounds=[(-1.0, 1.0)] * free.shape[1],
+    )
+    # The programme is solved to about 1e-7; a load that nothing balances does work of the order of one.
+    if not found.success or -found.fun < 1e-6:
+        return None
+    return motions.loose(free @ found.x)

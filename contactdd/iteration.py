@@ -1,0 +1,294 @@
+"""The iteration itself: φ^k, the bodies' corrections, the relaxation, until the stopping rule or an honest end."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .anderson import Anderson
+from .equilibrium import escape
+from .errors import LooseBodyError
+from .history import History, Record
+from .line_search import minimise_along
+from .scene import Scene
+from .scheme import Scheme
+from .start import State
+from .step import Apart, Direct, Krylov, Step
+from .subproblem import Subproblem
+
+Floats = NDArray[np.float64]
+Observer = Callable[[Record], bool]
+
+#: Contact unknowns up to which "auto" factors the coupled system.
+LARGEST_DIRECT = 6000
+#: What a measure has to fall to for the run to have come closer.
+PROGRESS = 0.99
+
+
+@dataclass(frozen=True)
+class Rule:
+    """When a run ends.
+
+    tolerance: of the criterion, "residual" or "change"; most: iterations; patience: iterations without any progress
+    after which the run is called stalled.
+    """
+
+    tolerance: float
+    criterion: str
+    most: int
+    patience: int
+
+    def measure(self, record: Record) -> float:
+        """What the criterion looks at."""
+        return record.change if self.criterion == "change" else record.residual
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How a run ended: its status, the reason in words, and what moves for ever where there is no equilibrium."""
+
+    status: str
+    reason: str
+    escape: LooseBodyError | None = None
+
+
+class Run:
+    """One run: the iterate `state` and the `history`.
+
+    history, memory: of an earlier run that this one goes on from.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        scheme: Scheme,
+        problems: Sequence[Subproblem],
+        state: State,
+        history: History | None = None,
+        memory: Sequence[Floats] = (),
+    ) -> None:
+        self.scene, self.scheme, self.problems, self.state = scene, scheme, problems, state
+        self.history = History() if history is None else history
+        self.anderson = Anderson() if scheme.accelerated else None
+        if self.anderson is not None:
+            self.anderson.memory = memory
+        self.linear, self._note = _step(scheme, problems, scene)
+        self._points = [interface.x.T for interface in scene.interfaces]
+        self._size = max(float(np.ptp(body.mesh.domain.geometry.x, axis=0).max()) for body in scene.bodies)
+        self._stiffest = max(problem.rigid.largest for problem in problems)
+        self._first_force = 0.0
+        self._began = time.process_time()
+
+    def iterate(self, gammas: Iterator[float | None], rule: Rule, observe: Observer) -> Ending:
+        """Iterate to the end, from where the history ends.
+
+        gammas: γ^0, γ^1, …, None where it is to be searched; observe: told of every iteration, ends the run by
+        returning True.
+        """
+        done = len(self.history)
+        gammas = itertools.islice(gammas, done, None)
+        best, best_at, measure = self._best_so_far(rule)
+        for k in range(done + 1, rule.most + 1):
+            tractions = self.scene.tractions(self.state.gaps)
+            residuals = self._residuals(tractions)
+            scale = self._scale(residuals, tractions)
+            residual = norm(residuals) / scale if scale > 0.0 else 0.0
+            if rule.criterion == "residual" and residual <= rule.tolerance:
+                return Ending("converged", f"residual {residual:.2e} after {k - 1} iterations")
+            try:
+                record = self._iteration(k, next(gammas), residuals, scale, residual)
+            except LooseBodyError as error:
+                return self._loose(error, k, scale)
+            except StopIteration:
+                return Ending("iteration limit", f"gamma ended after {k - 1} values at residual {residual:.2e}")
+            self.history.append(record)
+            if observe(record):
+                return Ending("stopped", f"as asked in iteration {k}")
+            if rule.criterion == "change" and record.change <= rule.tolerance:
+                return Ending("converged", f"change {record.change:.2e} after {k} iterations")
+            if not self._bounded():
+                return Ending("diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}")
+            measure = rule.measure(record)
+            if measure < PROGRESS * best:
+                best, best_at = measure, k
+            elif k - best_at >= rule.patience:
+                return Ending(
+                    "stalled", f"no progress in {rule.patience} iterations; {rule.criterion} at best {best:.2e}"
+                )
+        return Ending("iteration limit", f"{rule.criterion} {measure:.2e} after {rule.most} iterations")
+
+    def _best_so_far(self, rule: Rule) -> tuple[float, int, float]:
+        """The best measure in the history, the iteration that reached it, and the last one."""
+        best, best_at, measure = np.inf, 0, np.inf
+        for record in self.history:
+            measure = rule.measure(record)
+            if measure < PROGRESS * best:
+                best, best_at = measure, record.iteration
+        return best, best_at, measure
+
+    def _iteration(self, k: int, gamma: float | None, residuals: list[Floats], scale: float, residual: float) -> Record:
+        """One iteration (16), (25)."""
+        state, phi = self.state, self._coefficients()
+        energy = self._energy(state)
+        corrections, phi, note = self._corrections(phi, residuals, scale, survive=gamma is None)
+        length = self._search(corrections, residuals) if gamma is None else gamma
+        if self.anderson is None:
+            steps = [length * delta for delta in corrections]
+        else:
+            steps, note = self._accelerated(corrections, residuals, length, energy)
+        contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
+        self.state = self._moved(steps)
+        return Record(
+            iteration=k,
+            gamma=length,
+            change=self._change(steps),
+            residual=residual,
+            energy=energy,
+            contact=contact,
+            phi_min=min(float(values.min()) for values in phi.values()),
+            phi_max=max(float(values.max()) for values in phi.values()),
+            body_solves=self.linear.body_solves,
+            seconds=time.process_time() - self._began,
+            note=", ".join(filter(None, (self._note if k == 1 else "", note))),
+        )
+
+    def _coefficients(self) -> dict[int, Floats]:
+        """φ^k at the points of every interface."""
+        phi, state = {}, self.state
+        for index, interface in enumerate(self.scene.interfaces):
+            z, before, x = state.gaps[index], state.previous_gaps[index], self._points[index]
+            values = self.scheme.coefficient(interface.contact.layer, z, before, x)
+            # A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
+            phi[index] = np.minimum(values, 1e8 * self._stiffest / interface.weights)
+        return phi
+
+    def _energy(self, state: State) -> float:
+        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
+        parts = zip(self.problems, state.unknowns, state.deformations, strict=True)
+        return sum(p.energy(y, e) for p, y, e in parts) + self.scene.layer_energy(state.gaps)
+
+    def _corrections(
+        self, phi: dict[int, Floats], residuals: list[Floats], scale: float, survive: bool
+    ) -> tuple[list[Floats], dict[int, Floats], str]:
+        """ũ − u of every body, the coefficient that was used, and a note on it.
+
+        A contact that opens for a moment leaves bodies that nothing holds. Where the energy watches over the step
+        (survive), they are then held by a soft Robin term everywhere: the step still lowers the energy.
+        """
+        try:
+            return self.linear.correct(phi, residuals, scale), phi, ""
+        except LooseBodyError:
+            if not survive or escape(self.problems, self.scene.interfaces, scale) is not None:
+                raise
+        softest = self._softest_coefficient(residuals)
+        phi = {index: np.maximum(values, softest) for index, values in phi.items()}
+        return self.linear.correct(phi, residuals, scale), phi, "open: held by a soft Robin term"
+
+    def _softest_coefficient(self, residuals: list[Floats]) -> float:
+        """The unbalanced forces over the contacts' area and the largest gap: a body moves by about that gap."""
+        forces = max(float(np.abs(r).sum()) for r in residuals)
+        area = sum(float(interface.weights.sum()) for interface in self.scene.interfaces)
+        gap = max(float(np.abs(z).max()) for z in self.state.gaps)
+        return forces / area / (gap if gap > 0.0 else self._size)
+
+    def _accelerated(
+        self, corrections: list[Floats], residuals: list[Floats], gamma: float, energy: float
+    ) -> tuple[list[Floats], str]:
+        """Anderson's step, or the best plain one where that would raise the energy."""
+        y = np.concatenate(self.state.unknowns)
+        ends = np.cumsum([len(part) for part in self.state.unknowns])[:-1]
+        steps = np.split(self.anderson.step(y, np.concatenate(corrections), gamma), ends)
+        moved = self._moved(steps)
+        reached = self._energy(moved)
+        # Near the solution energies differ by less than their own rounding.
+        if np.isfinite(reached) and reached <= energy + 1e-12 * abs(energy):
+            return steps, ""
+        self.anderson.restart()
+        best = self._search(corrections, residuals)
+        return [best * delta for delta in corrections], "restarted: the energy would have risen"
+
+    def _moved(self, steps: Sequence[Floats]) -> State:
+        """u^{k+1}, eqs. (23), (33), (37)."""
+        unknowns = [y + step for y, step in zip(self.state.unknowns, steps, strict=True)]
+        deformations = [
+            e + p.deformation(step) for p, e, step in zip(self.problems, self.state.deformations, steps, strict=True)
+        ]
+        return State(unknowns, deformations, self.scene.gaps(self.problems, unknowns), self.state.gaps)
+
+    def _residuals(self, tractions: list[Floats]) -> list[Floats]:
+        """−F₁'(u) of every body."""
+        return [p.residual(e, tractions) for p, e in zip(self.problems, self.state.deformations, strict=True)]
+
+    def _scale(self, residuals: list[Floats], tractions: list[Floats]) -> float:
+        """The size of the forces at work: loads and contact forces, or the first residual where there are none."""
+        forces = [problem.load for problem in self.problems]
+        forces += [port.trace.T @ tractions[port.interface] for problem in self.problems for port in problem.ports]
+        size = norm(forces)
+        if size == 0.0:
+            self._first_force = size = max(self._first_force, norm(residuals))
+        return size
+
+    def _search(self, corrections: Sequence[Floats], residuals: Sequence[Floats]) -> float:
+        """γ^k that minimises F₁ along the corrections.
+
+        The slope is written with divided differences, so that nothing cancels near the minimum.
+        """
+        descent = sum(float(r @ delta) for r, delta in zip(residuals, corrections, strict=True))
+        parts = [p.deformation(delta) for p, delta in zip(self.problems, corrections, strict=True)]
+        elastic = sum(float(e @ (p.stiffness @ e)) for p, e in zip(self.problems, parts, strict=True))
+        moves = self.scene.closing(self.problems, corrections)
+        contacts = [
+            (interface.contact.layer, z, move, interface.weights * move**2)
+            for interface, z, move in zip(self.scene.interfaces, self.state.gaps, moves, strict=True)
+        ]
+
+        def slope(t: float) -> float:
+            layers = sum(float(w @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
+            return t * (elastic + layers) - descent
+
+        return minimise_along(slope)
+
+    def _change(self, steps: Sequence[Floats]) -> float:
+        """The paper's measure of change, the largest over the bodies; to be asked after the move."""
+        largest = 0.0
+        for problem, step, y in zip(self.problems, steps, self.state.unknowns, strict=True):
+            moved = np.linalg.norm(problem.nodal_trace @ step)
+            size = np.linalg.norm(problem.nodal_trace @ y + problem.nodal_offset)
+            largest = max(largest, float(moved / size) if size > 0.0 else float(moved > 0.0))
+        return largest
+
+    def _bounded(self) -> bool:
+        """Whether the displacements are finite and not absurd."""
+        return all(
+            bool(np.all(np.isfinite(z))) and float(np.abs(z - interface.gap).max()) < 100 * self._size
+            for z, interface in zip(self.state.gaps, self.scene.interfaces, strict=True)
+        )
+
+    def _loose(self, error: LooseBodyError, k: int, scale: float) -> Ending:
+        """The end of a run in which nothing holds a body any more."""
+        way = escape(self.problems, self.scene.interfaces, scale)
+        if way is not None:
+            return Ending("no equilibrium", str(way), way)
+        return Ending("diverged", f"{error} in iteration {k}")
+
+
+def norm(vectors: Sequence[Floats]) -> float:
+    """The Euclidean norm of several vectors together."""
+    return float(np.sqrt(sum(float(v @ v) for v in vectors)))
+
+
+def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple[Step, str]:
+    """The kind of linear problem that the scheme asks for, and why it was chosen where the scheme leaves it open."""
+    if scheme.step == "apart":
+        return Apart(problems), ""
+    unknowns = sum(problem.size for problem in problems)
+    if scheme.step == "direct" or (scheme.step == "auto" and unknowns <= LARGEST_DIRECT):
+        note = f"auto: coupled Newton, {unknowns} unknowns factored" if scheme.step == "auto" else ""
+        return Direct(problems, scene.interfaces), note
+    note = f"auto: Newton with Krylov steps, {unknowns} unknowns" if scheme.step == "auto" else ""
+    return Krylov(problems, scene.interfaces), note

@@ -1,0 +1,78 @@
+"""Where a run starts: the iterate u⁰ and, for the two-point methods, the one before it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import finite
+from .subproblem import Subproblem
+
+if TYPE_CHECKING:
+    from .scene import Scene
+    from .solution import Solution
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class State:
+    """An iterate.
+
+    unknowns: of every body; deformations: the unknowns without the rigid motion of floating bodies, which may be so
+    much larger that its rounding alone would look like a force; gaps, previous_gaps: z^k, z^{k−1} of every interface.
+    """
+
+    unknowns: list[Floats]
+    deformations: list[Floats]
+    gaps: list[Floats]
+    previous_gaps: list[Floats]
+
+
+def from_solution(scene: Scene, problems: Sequence[Subproblem], solution: Solution) -> State:
+    """Go on from the displacements of a solution of the same bodies."""
+    unknowns = [p.restrict(solution.displacement(p.body.name).x.array) for p in problems]
+    return _state(scene, problems, unknowns)
+
+
+def from_contacts(scene: Scene, problems: Sequence[Subproblem], u_n: float, previous: float | None) -> State:
+    """u_n at all contact points (length) and, if given, that of the iterate before; the inside in equilibrium."""
+    given = {index: np.full(len(i.weights), finite("start", u_n)) for index, i in enumerate(scene.interfaces)}
+    state = _state(scene, problems, [problem.start(given) for problem in problems])
+    if previous is not None:
+        state.previous_gaps = [i.gap - 2.0 * finite("previous", previous) for i in scene.interfaces]
+    return state
+
+
+def undeformed(scene: Scene, problems: Sequence[Subproblem]) -> State:
+    """No displacement but the prescribed ones."""
+    return _state(scene, problems, [np.zeros(problem.size) for problem in problems])
+
+
+def closed(scene: Scene, problems: Sequence[Subproblem]) -> State:
+    """Every contact closed evenly, until where its gap is smallest it carries the largest mean load of a body.
+
+    Bodies that float need such a start: with all contacts open nothing would hold them.
+    """
+    stress = max(_mean_contact_stress(scene, problem) for problem in problems)
+    given = {}
+    for index, interface in enumerate(scene.interfaces):
+        w = float(interface.contact.layer.compression(-stress))
+        given[index] = np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
+    return _state(scene, problems, [problem.start(given) for problem in problems])
+
+
+def _mean_contact_stress(scene: Scene, problem: Subproblem) -> float:
+    """The resultant of a body's loads over the area of its contacts."""
+    area = sum(float(scene.interfaces[port.interface].weights.sum()) for port in problem.ports)
+    resultant = problem.full_load.reshape(-1, problem.body.mesh.dim).sum(axis=0)
+    return float(np.linalg.norm(resultant)) / area
+
+
+def _state(scene: Scene, problems: Sequence[Subproblem], unknowns: list[Floats]) -> State:
+    gaps = scene.gaps(problems, unknowns)
+    return State(unknowns, [p.deformation(y) for p, y in zip(problems, unknowns, strict=True)], gaps, gaps)

@@ -1,0 +1,153 @@
+"""The linear problems of one iteration: apart for every body, coupled and solved directly, or coupled and solved by a
+Krylov method whose every step solves the bodies apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from .coupled import CoupledSystem
+from .interface import Interface
+from .subproblem import Subproblem
+
+Floats = NDArray[np.float64]
+Phi = Mapping[int, Floats]
+
+
+class Step(Protocol):
+    """One kind of linear problem. body_solves: how many solves of single bodies there have been."""
+
+    body_solves: int
+
+    def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
+        """The correction of every body's unknowns.
+
+        phi: the coefficient at the points of each interface; residuals: −F₁' by body; scale: the size of the forces at
+        work. Raises LooseBodyError where a motion is free on which forces do work.
+        """
+        ...
+
+
+class Apart:
+    """Every body on its own, eq. (22): nothing but φ and g⁻ at the contacts passes between them."""
+
+    def __init__(self, problems: Sequence[Subproblem]) -> None:
+        self._problems = problems
+        self.body_solves = 0
+
+    def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
+        corrections = [p.correct(phi, r, scale) for p, r in zip(self._problems, residuals, strict=True)]
+        self.body_solves += len(self._problems)
+        return corrections
+
+
+class Direct:
+    """All bodies in one linear system, factored: (17), (26), (27)."""
+
+    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
+        self._system = CoupledSystem(problems, interfaces)
+        self._bodies = len(problems)
+        self.body_solves = 0
+
+    def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
+        self.body_solves += self._bodies  # each body takes part once
+        return self._system.correct(phi, residuals, scale)
+
+
+class Krylov:
+    """The coupled system by conjugate gradients, preconditioned by the bodies' own solves and a coarse space.
+
+    The coarse space holds what the bodies' solves see badly: their rigid motions and the lowest modes of
+    S v = λ (S + Φ) v, in which the interface moves as a wave and the layer hardly notices.
+    """
+
+    #: Modes below this are put into the coarse space; 0.2 bounds the condition of the rest by about 10.
+    LOWEST = 0.2
+    #: How much closer the Krylov method has to bring each Newton correction.
+    FORCING = 1e-4
+
+    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
+        self._problems, self._interfaces = problems, interfaces
+        self._system = CoupledSystem(problems, interfaces, factored=False)
+        self._ends = np.cumsum([problem.size for problem in problems])
+        self.body_solves = 0
+
+    def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
+        rhs = np.concatenate(residuals)
+        self._system.rigid.ground(phi, rhs, scale)  # only its check: free motions stay in the coarse space
+        coarse = self._coarse_space(phi)
+        image = np.column_stack([self._system.apply(phi, column) for column in coarse.T])
+        inverse = _pseudo_inverse(coarse.T @ image)
+
+        def project(vector: Floats) -> Floats:
+            return vector - coarse @ (inverse @ (image.T @ vector))
+
+        start = coarse @ (inverse @ (coarse.T @ rhs))
+        solution = deflated_conjugate_gradients(
+            lambda vector: self._system.apply(phi, vector),
+            lambda vector: self._precondition(phi, vector),
+            project,
+            rhs,
+            start,
+            self.FORCING,
+        )
+        return np.split(solution, self._ends[:-1])
+
+    def _precondition(self, phi: Phi, vector: Floats) -> Floats:
+        """(S + Φ)⁻¹ of every body, independently."""
+        self.body_solves += len(self._problems)
+        parts = np.split(vector, self._ends[:-1])
+        return np.concatenate([p.solve_held(phi, part) for p, part in zip(self._problems, parts, strict=True)])
+
+    def _coarse_space(self, phi: Phi) -> Floats:
+        """Rigid motions and lowest modes, orthonormal, (all unknowns, modes)."""
+        blocks = []
+        for problem in self._problems:
+            modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
+            blocks.append(scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes)
+        return scipy.linalg.block_diag(*blocks)
+
+
+def deflated_conjugate_gradients(
+    apply: Callable[[Floats], Floats],
+    precondition: Callable[[Floats], Floats],
+    project: Callable[[Floats], Floats],
+    rhs: Floats,
+    start: Floats,
+    reduction: float,
+    most: int = 500,
+) -> Floats:
+    """The solution of a positive (semi)definite system whose coarse part `start` has solved already.
+
+    project: takes the coarse space out of a search direction. Ends when the preconditioned residual has fallen by
+    `reduction`; every iterate lowers the energy, so that it is a descent direction whenever it ends.
+    """
+    solution, residual = start.copy(), rhs - apply(start)
+    direction = preconditioned = precondition(residual)
+    direction = project(preconditioned)
+    square = residual @ preconditioned
+    # Rounding of the coarse solve is all that is left where the coarse space holds the solution.
+    goal = max(square * reduction**2, 1e-28 * abs(rhs @ start))
+    for _ in range(most):
+        if square <= goal:
+            break
+        image = apply(direction)
+        length = square / (direction @ image)
+        solution += length * direction
+        residual -= length * image
+        preconditioned = precondition(residual)
+        square, before = residual @ preconditioned, square
+        direction = project(preconditioned) + (square / before) * direction
+    return solution
+
+
+def _pseudo_inverse(matrix: Floats) -> Floats:
+    """The inverse of a symmetric matrix on what is not its null space: motions of all bodies that nothing resists."""
+    values, vectors = np.linalg.eigh(matrix)
+    kept = values > 1e-13 * values.max(initial=0.0)
+    return (vectors[:, kept] / values[kept]) @ vectors[:, kept].T

@@ -1,0 +1,64 @@
+"""Every demo runs as a script, and its numbers are checked."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import nbclient
+import nbformat
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+def run(demo: str, out: Path) -> dict | list:
+    """The demo's summary; it runs in a process of its own, as a user would."""
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    env.pop("DISPLAY", None)  # pictures need none
+    subprocess.run([sys.executable, str(ROOT / "demos" / f"{demo}.py"), "--out", str(out)], env=env, check=True)
+    return json.loads((out / "summary.json").read_text())
+
+
+def is_picture(path: Path) -> bool:
+    return path.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n" and path.stat().st_size > 5000
+
+
+def test_groove(tmp_path):
+    summary = run("groove", tmp_path)
+    assert len(summary["table"]) == 22
+    assert summary["table"][7] == {"gamma": 0.6, "I": 7, "II": 7, "III": 7}
+    assert summary["peak_pressure"] == pytest.approx(23.45244, rel=0.02)  # linear elements on the paper's mesh
+    assert summary["peak_x"] == pytest.approx(0.98513, abs=4 / 32)  # a facet
+    assert summary["contact_edge"] == pytest.approx(0.510971, abs=4 / 32)
+    assert summary["error_l2"] < 1.6e-2
+    assert summary["cpu_seconds"] < 60
+    assert (tmp_path / "table.csv").read_text().startswith("gamma,I,II,III\n0.02,109,109,109\n")
+    assert all(is_picture(tmp_path / name) for name in ("iterations.png", "contact.png", "bodies.png"))
+
+
+def test_short_script(tmp_path):
+    """The README's script: at most 25 lines, it is what the README shows, and it draws."""
+    path = ROOT / "demos" / "groove_short.py"
+    script = path.read_text()
+    assert len(script.splitlines()) <= 25
+    assert script in (ROOT / "README.md").read_text()
+    env = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(
+        [sys.executable, str(path)], cwd=tmp_path, env=env, check=True, capture_output=True, text=True
+    )
+    assert "converged" in done.stdout
+    assert all(is_picture(tmp_path / name) for name in ("contact.png", "bodies.png"))
+
+
+@pytest.mark.parametrize("notebook", sorted(path.name for path in (ROOT / "demos").glob("*.ipynb")))
+def test_notebook(notebook, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    content = nbformat.read(ROOT / "demos" / notebook, as_version=4)
+    nbclient.NotebookClient(content, timeout=300, kernel_name="python3").execute()
+    outputs = [output for cell in content.cells if cell.cell_type == "code" for output in cell.outputs]
+    assert sum("image/png" in output.get("data", {}) for output in outputs) >= 3
+    assert any("converged" in str(output) for output in outputs)
