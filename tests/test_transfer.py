@@ -54,6 +54,41 @@ def test_patch_in_space(shapes, degree, quadrature):
     check_patch(pressed(lower, upper, degree, quadrature=quadrature), area=1.3)
 
 
+@pytest.mark.parametrize("quadrature", ["facet", "gauss"])
+def test_patch_of_revolution(quadrature):
+    """Two cylinders under a uniform pressure: every integral is over the full ring."""
+    lower = cd.Body(
+        "a",
+        cd.rectangle((0, 0), (2, 1), (7, 3)),
+        STEEL,
+        supports=[cd.Symmetry("left", "bottom")],
+        kinematics="axisymmetric",
+    )
+    upper = cd.Body(
+        "b",
+        cd.rectangle((0, 1), (1.9, 2), (11, 3)),
+        BRASS,
+        supports=[cd.Symmetry("left")],
+        loads=[cd.Pressure("top", LOAD)],
+        kinematics="axisymmetric",
+    )
+    whole = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER, quadrature=quadrature)])
+    result = newton(whole).contact()
+    assert result.weights.sum() == pytest.approx(np.pi * 1.9**2, rel=1e-13)
+    assert result.force == pytest.approx(LOAD * np.pi * 1.9**2, rel=ROUNDING)
+    assert result.unmatched == pytest.approx((np.pi * (4 - 1.9**2), 0.0), rel=1e-12)
+    fitting = cd.Body(
+        "c",
+        cd.rectangle((0, 1), (2, 2), (11, 3)),
+        BRASS,
+        supports=[cd.Symmetry("left")],
+        loads=[cd.Pressure("top", LOAD)],
+        kinematics="axisymmetric",
+    )
+    patch = cd.Scene([lower, fitting], [cd.Contact((lower, "top"), (fitting, "bottom"), LAYER, quadrature=quadrature)])
+    assert np.abs(newton(patch).contact().pressure / LOAD - 1).max() < ROUNDING
+
+
 def check_patch(scene: cd.Scene, area: float) -> None:
     solution = newton(scene)
     result = solution.contact()
@@ -125,7 +160,7 @@ def test_search_leaves_no_overlap_out(dim):
     i, j = (k.ravel() for k in np.indices((len(lower), len(upper))))
     facing = np.sum(normals[0][i] * normals[1][j], axis=1) < -0.5
     i, j = i[facing], j[facing]
-    rule = (np.full((1, dim - 1), 1 / 3), np.ones(1))
+    rule = (np.full((1, dim - 1), 1 / 3), np.ones(1))  # any
     every = segments(lower[i], upper[j], common_normals(normals[0][i], normals[1][j]), *rule)
     expected = {(int(i[k]), int(j[k])) for k in every.pair}
     found = set(zip(*(map(int, k) for k in facing_pairs(lower, normals[0], upper, normals[1], 10.0)), strict=True))
@@ -516,5 +551,6 @@ def test_a_senseless_search_distance_is_refused(distance):
 
 
 def test_a_gap_that_is_not_a_number_is_refused():
+    upper = cd.rectangle((0, 1), (4, 2), (11, 3))
     with pytest.raises(ValueError, match="gap: not finite at x ="):
-        two(cd.rectangle(*LOWER), cd.rectangle((0, 1), (4, 2), (11, 3)), gap=lambda x: np.sqrt(x[0] - 1)).interfaces  # noqa: B018
+        two(cd.rectangle(*LOWER), upper, gap=lambda x: np.where(x[0] < 1, np.nan, 0.0)).interfaces  # noqa: B018
