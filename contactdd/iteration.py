@@ -15,6 +15,7 @@ from .equilibrium import escape
 from .errors import LooseBodyError
 from .history import History, Record
 from .line_search import minimise_along
+from .multigrid import MultigridSubproblem
 from .scene import Scene
 from .scheme import Scheme
 from .start import State
@@ -288,7 +289,8 @@ def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple
     if scheme.step == "apart":
         return Apart(problems), ""
     unknowns = sum(problem.size for problem in problems)
-    if scheme.step == "direct" or (scheme.step == "auto" and unknowns <= LARGEST_DIRECT):
+    small = unknowns <= LARGEST_DIRECT and not any(isinstance(p, MultigridSubproblem) for p in problems)
+    if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {unknowns} unknowns factored" if scheme.step == "auto" else ""
         return Direct(problems, scene.interfaces), note
     note = f"auto: Newton with Krylov steps, {unknowns} unknowns" if scheme.step == "auto" else ""

@@ -13,12 +13,14 @@ from .body import Body
 from .contact import Contact
 from .errors import one_of
 from .interface import Interface, discretise
+from .memory import cheapest_solver, refuse_if_too_large
+from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
 from .subproblem import CondensedSubproblem, Subproblem
 
 Floats = NDArray[np.float64]
 
-LOCAL_SOLVERS = ("condensed", "assembled")
+LOCAL_SOLVERS = ("auto", "condensed", "assembled", "multigrid")
 
 
 class Scene:
@@ -28,7 +30,7 @@ class Scene:
         self.bodies = tuple(bodies)
         self.contacts = tuple(contacts)
         self._check()
-        self._subproblems: dict[str, list[Subproblem]] = {}
+        self._subproblems: dict[tuple[str, int], Subproblem] = {}
         self._read = self._parameter_values()
 
     def __repr__(self) -> str:
@@ -42,17 +44,28 @@ class Scene:
         return [discretise(c, (places[id(c.sides[0][0])], places[id(c.sides[1][0])])) for c in self.contacts]
 
     def subproblems(self, local_solver: str) -> list[Subproblem]:
-        """Every body's linear problem, in order, "assembled" or "condensed"."""
+        """Every body's linear problem, in order.
+
+        local_solver: "condensed", "assembled", "multigrid", or "auto": condensed unless a body is too large for it.
+        """
         one_of("local_solver", local_solver, LOCAL_SOLVERS)
         if self._parameter_values() != self._read:
             self.refresh()
-        if local_solver not in self._subproblems:
-            if local_solver == "assembled":
-                made = [Subproblem(body, place, self.interfaces) for place, body in enumerate(self.bodies)]
+        kinds = [local_solver if local_solver != "auto" else cheapest_solver(body) for body in self.bodies]
+        return [self._subproblem(kind, place) for place, kind in enumerate(kinds)]
+
+    def _subproblem(self, kind: str, place: int) -> Subproblem:
+        """One body's linear problem, made when first asked for."""
+        if (kind, place) not in self._subproblems:
+            body = self.bodies[place]
+            if kind != "multigrid":
+                refuse_if_too_large(body)
+            if kind == "condensed":
+                made: Subproblem = CondensedSubproblem(self._subproblem("assembled", place))
             else:
-                made = [CondensedSubproblem(problem) for problem in self.subproblems("assembled")]
-            self._subproblems[local_solver] = made
-        return self._subproblems[local_solver]
+                made = (Subproblem if kind == "assembled" else MultigridSubproblem)(body, place, self.interfaces)
+            self._subproblems[kind, place] = made
+        return self._subproblems[kind, place]
 
     def refresh(self) -> None:
         """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.
@@ -63,11 +76,12 @@ class Scene:
         self._read = self._parameter_values()
         if "interfaces" in vars(self):
             self.interfaces = [i.refreshed(c) for i, c in zip(self.interfaces, self.contacts, strict=True)]
-        if "assembled" in self._subproblems:
-            inner = self._subproblems["assembled"] = [p.refreshed() for p in self._subproblems["assembled"]]
-            if "condensed" in self._subproblems:
-                pairs = zip(self._subproblems["condensed"], inner, strict=True)
-                self._subproblems["condensed"] = [problem.refreshed_for(made) for problem, made in pairs]
+        old, self._subproblems = self._subproblems, {}
+        for (kind, place), problem in sorted(old.items(), key=lambda item: item[0][0]):  # "assembled" comes first
+            if isinstance(problem, CondensedSubproblem):
+                self._subproblems[kind, place] = problem.refreshed_for(self._subproblems["assembled", place])
+            else:
+                self._subproblems[kind, place] = problem.refreshed()
 
     def follows(self, parameter: Parameter) -> bool:
         """Whether any load, prescribed displacement or gap of the scene follows the parameter."""

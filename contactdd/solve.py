@@ -35,7 +35,7 @@ def solve(
     max_iterations: int = 5000,
     start: float | Solution | None = None,
     previous: float | None = None,
-    local_solver: str = "condensed",
+    local_solver: str = "auto",
     callback: Callable[[Record], bool | None] | None = None,
     progress: bool | None = None,
     on_failure: str = "raise",
@@ -57,7 +57,8 @@ def solve(
     start: u_n at all contact points (length), or a `Solution` to go on from. By default the decomposed methods start
         from closed contacts, the others from no displacement.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
-    local_solver: "condensed" (each body seen from its contacts) or "assembled" (reassemble and refactor every time).
+    local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
+        "multigrid" (nothing is factored, for large solids), or "auto".
     callback: called with each iteration's `Record`; the run ends when it returns True.
     progress: show a progress bar; by default when somebody watches.
     on_failure: "raise", or "return" the solution with its status.
