@@ -132,4 +132,9 @@ def _start(
         return starts.from_solution(scene, problems, start)
     if start is not None:
         return starts.from_contacts(scene, problems, start, previous)
-    return starts.closed(scene, problems) if scheme.decomposed else starts.undeformed(scene, problems)
+    if not scheme.decomposed:
+        state = starts.undeformed(scene, problems)
+        touching = any(float(gaps.min()) < 0.0 for gaps in state.gaps)
+        if touching or not any(problem.rigid.modes.shape[1] for problem in problems):
+            return state
+    return starts.closed(scene, problems)
