@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import basix.ufl
 import numpy as np
 import pytest
@@ -292,8 +294,10 @@ def test_forces_and_moments_balance_on_bent_surfaces(dim, quadrature):
     assert np.abs(moment).max() < 1e-12 * size
 
 
-def test_a_turned_scene_has_the_same_solution():
-    rotation = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]  # proper or with a mirror, as it comes
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_a_turned_scene_has_the_same_solution(mirrored):
+    rotation = np.linalg.qr(np.random.default_rng(5).normal(size=(3, 3)))[0]
+    rotation *= np.linalg.det(rotation) * (-1 if mirrored else 1)
 
     def turned(x: np.ndarray) -> np.ndarray:
         return x @ rotation.T + [3.0, -1.0, 2.0]
@@ -346,6 +350,26 @@ def test_column_stack(n):
         )  # a difference of heights up to 64 times larger
 
 
+def test_hertz_in_space():
+    """A bump of curved tetrahedra under a rigid plate of hexahedra, both a quarter."""
+    E, nu, radius = 1e4, 0.3, 5.0
+    mesh = cd.read_gmsh(Path(__file__).parents[1] / "meshes" / "bump.geo", dim=3, order=2, fine=0.15, zone=0.8)
+    quarter = cd.Symmetry("left", "front")
+    bump = cd.Body("bump", mesh, cd.Isotropic(E, nu), supports=[quarter, cd.Symmetry("bottom")], degree=2)
+    plate = cd.Body(
+        "plate",
+        cd.box((0, 0, 0), (3, 3, 0.5), (17, 17, 1), shape="hexahedron"),
+        cd.Isotropic(1e9, 0.0),
+        supports=[quarter, cd.Displacement("top", [0, 0, -0.06])],
+    )
+    contact = cd.Contact((bump, "bump"), (plate, "bottom"), cd.LinearLayer(stiffness=1e6))
+    result = newton(cd.Scene([bump, plate], [contact]), tolerance=1e-9).contact()
+    exact = cd.reference.hertz_sphere(4 * result.force, radius, E, nu)
+    # The layer takes 1e-3 of an approach of 0.06, the block is six radii of the contact high, a facet a quarter of one.
+    assert result.pressure.max() == pytest.approx(exact.peak_pressure, rel=0.03)
+    assert np.sqrt(4 * result.area / np.pi) == pytest.approx(exact.radius, rel=0.05)
+
+
 def lame_shrink(a: float, b: float, c: float, inner: cd.Isotropic, outer: cd.Isotropic, q: float, k: float) -> float:
     """The contact pressure between two rings a–b, b–c under the outer pressure q (plane strain, layer σ = k w)."""
 
@@ -370,7 +394,9 @@ def sector(low: float, high: float, cells: tuple[int, int], order: int) -> cd.Me
     local = np.rint(local * order).astype(int)
     i, j = (order * k.ravel()[:, None] for k in np.indices(cells))
     element = basix.ufl.element("Lagrange", "quadrilateral", order, shape=(2,))
-    domain = dmesh.create_mesh(MPI.COMM_SELF, place[i + local[:, 0], j + local[:, 1]], nodes, ufl.Mesh(element))
+    domain = dmesh.create_mesh(
+        MPI.COMM_SELF, cells=place[i + local[:, 0], j + local[:, 1]], x=nodes, e=ufl.Mesh(element)
+    )
     near = 0.05 * (high - low)
     return cd.from_dolfinx(
         domain,
@@ -530,7 +556,7 @@ def test_a_surface_behind_another_is_refused():
     nodes = np.array([[x, y] for y in (1.0, 1.5, 2.0, 2.5) for x in (0.0, 4.0, 5.0)])
     cells = np.array([[0, 1, 3, 4], [1, 2, 4, 5], [4, 5, 7, 8], [6, 7, 9, 10], [7, 8, 10, 11]])  # a C, open to the left
     element = basix.ufl.element("Lagrange", "quadrilateral", 1, shape=(2,))
-    domain = dmesh.create_mesh(MPI.COMM_SELF, cells, nodes, ufl.Mesh(element))
+    domain = dmesh.create_mesh(MPI.COMM_SELF, cells=cells, x=nodes, e=ufl.Mesh(element))
     shelves = cd.from_dolfinx(
         domain, bottom=lambda x: ((np.abs(x[1] - 1) < 1e-9) | (np.abs(x[1] - 2) < 1e-9)) & (x[0] < 4 + 1e-9)
     )
