@@ -195,7 +195,8 @@ class Run:
         forces = max(float(np.abs(r).sum()) for r in residuals)
         area = sum(float(interface.weights.sum()) for interface in self.scene.interfaces)
         gap = max(float(np.abs(z).max()) for z in self.state.gaps)
-        return forces / area / (gap if gap > 0.0 else self._size)
+        # A gap of rounding is none.
+        return forces / area / (gap if gap > 1e-10 * self._size else self._size)
 
     def _accelerated(
         self, corrections: list[Floats], residuals: list[Floats], gamma: float, energy: float

@@ -54,8 +54,8 @@ def solve(
         of the energy F₁; by default 0.6 for the decomposed methods and "search" for the others.
     tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
-    start: u_n at all contact points (length), or a `Solution` to go on from. By default the decomposed methods, and all
-        with a given gamma, start from closed contacts, the others from no displacement.
+    start: u_n at all contact points (length), or a `Solution` to go on from. By default from no
+        displacement where that already presses and gamma is searched, else from contacts closed by the mean load.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
     local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
         "multigrid" (nothing is factored, for large solids), or "auto".
@@ -134,5 +134,9 @@ def _start(
     if start is not None:
         return starts.from_contacts(scene, problems, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
-    guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.undeformed(scene, problems) if guarded else starts.closed(scene, problems)
+    if not scheme.decomposed and (gamma is None or isinstance(gamma, str)):
+        state = starts.undeformed(scene, problems)
+        pressing = any(float(gaps.min()) < 0.0 for gaps in state.gaps)
+        if pressing or not any(problem.rigid.modes.shape[1] for problem in problems):
+            return state
+    return starts.closed(scene, problems)
