@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from .body import Body
-from .errors import one_of
+from .errors import one_of, positive
 from .layer import Layer
 from .quadrature import RULES
 
@@ -18,9 +18,12 @@ class Contact:
     """The possible contact zone S_αβ of two bodies.
 
     first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
-    gap: d(x) in addition to the distance of the two meshes, a number or a function of the coordinates x (dim, points),
-    negative for an interference; quadrature: "gauss", "vertex" or "facet" (see `quadrature`);
-    quadrature_degree: another degree of exactness; name: by default "first–second" by the bodies' names.
+    gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number or a function of the
+    coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes do not match;
+    measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for surfaces that
+    fit but whose straight facets do not; search_distance: how far apart partners may be (length), by default the smaller body's size;
+    quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree: another degree of exactness;
+    name: by default "first–second" by the bodies' names.
     """
 
     def __init__(
@@ -30,6 +33,8 @@ class Contact:
         layer: Layer,
         *,
         gap: Gap = 0.0,
+        measure_gap: bool = True,
+        search_distance: float | None = None,
         quadrature: str = "gauss",
         quadrature_degree: int | None = None,
         name: str | None = None,
@@ -45,9 +50,24 @@ class Contact:
         self.sides = (first, second)
         self.layer = layer
         self.gap = gap
+        self.measure_gap = bool(measure_gap)
+        self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
         self.quadrature_degree = quadrature_degree
         self.name = name or f"{first[0].name}–{second[0].name}"
+
+    def resampled(self, degree: int) -> Contact:
+        """The same contact at Gauss points of another degree."""
+        return Contact(
+            *self.sides,
+            self.layer,
+            gap=self.gap,
+            measure_gap=self.measure_gap,
+            search_distance=self.search_distance,
+            quadrature="gauss",
+            quadrature_degree=degree,
+            name=self.name,
+        )
 
     def __repr__(self) -> str:
         zones = " and ".join(f"{body.name}.{surface}" for body, surface in self.sides)

@@ -10,7 +10,6 @@ import numpy as np
 import scipy.sparse as sp
 from dolfinx import fem
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from . import compat
 from .body import Body
@@ -18,7 +17,8 @@ from .contact import Contact
 from .errors import MeshMismatchError
 from .field import evaluate
 from .quadrature import Rule, rule
-from .trace import facet_entities, facet_points, normal_trace
+from .trace import FacetPoints, facet_corners, facet_entities, facet_points, facet_type, normal_trace
+from .transfer import Partners, by_segments, matching
 
 Floats = NDArray[np.float64]
 
@@ -33,9 +33,8 @@ class ContactSurface:
     def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
         self.body, self.surface, self.rule = body, surface, quadrature
         self.facets = body.mesh.facets(surface)
-        entities = facet_entities(body.mesh.domain, self.facets)
-        cell = compat.coordinate_map(body.mesh.domain).cell_type
-        points, weights = quadrature.points(basix.cell.subentity_types(cell)[body.mesh.dim - 1][0])
+        self.entities = entities = facet_entities(body.mesh.domain, self.facets)
+        points, weights = quadrature.points(facet_type(body.mesh.domain))
         self.per_facet = len(points)
         self.points = facet_points(
             body.mesh.domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1))
@@ -67,12 +66,31 @@ class ContactSurface:
         return np.arange(len(self.value_weights)) // per_facet
 
     @cached_property
+    def facet_areas(self) -> Floats:
+        """The area of each facet."""
+        return self.weights.reshape(len(self.facets), -1).sum(axis=1)
+
+    @cached_property
+    def corners(self) -> Floats:
+        """The corners in order around each facet, (facets, corners, dim)."""
+        return facet_corners(self.body.mesh.domain, self.entities)
+
+    @cached_property
+    def centre(self) -> Floats:
+        """The middle of the reference facet, (dim − 1,)."""
+        return np.asarray(basix.geometry(facet_type(self.body.mesh.domain))).mean(axis=0)
+
+    @cached_property
+    def middles(self) -> FacetPoints:
+        """The middle of every facet."""
+        return facet_points(self.body.mesh.domain, self.entities, np.tile(self.centre, (len(self.entities), 1)))
+
+    @cached_property
     def nodal_trace(self) -> sp.csr_matrix:
         """The normal displacement at the nodes of the surface, each once: what the paper's stopping rule looks at."""
         domain, dim = self.body.mesh.domain, self.body.mesh.dim
-        facet = basix.cell.subentity_types(compat.coordinate_map(domain).cell_type)[dim - 1][0]
         nodes = basix.create_element(
-            basix.ElementFamily.P, facet, self.body.degree, basix.LagrangeVariant.equispaced
+            basix.ElementFamily.P, facet_type(domain), self.body.degree, basix.LagrangeVariant.equispaced
         ).points
         entities = np.repeat(facet_entities(domain, self.facets), len(nodes), axis=0)
         points = facet_points(domain, entities, np.tile(nodes, (len(self.facets), 1)))
@@ -145,8 +163,9 @@ class Side:
 class Interface:
     """A contact at n points.
 
-    x: (n, dim) where on the first surface; normal: (n, dim) its outward normal; weights: (n,) areas; gap: (n,) d;
-    sides: both bodies. All contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; gap: (n,) d;
+    shape: (n,) the part of d that is given, not found from the meshes; sides: both bodies; unmatched: the area of
+    either surface that has no partner. All contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -156,6 +175,7 @@ class Interface:
     gap: Floats
     shape: Floats
     sides: tuple[Side, Side]
+    unmatched: tuple[float, float] = (0.0, 0.0)
 
 
 def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
@@ -163,7 +183,10 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
     degree = max(body.degree for body, _ in contact.sides)
     quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
     first, second = (ContactSurface(body, surface, quadrature) for body, surface in contact.sides)
-    partner = _partners(contact, first, second)
+    reach = contact.search_distance or min(first.body.mesh.size, second.body.mesh.size)
+    partner = matching(first, second, reach)
+    if partner is None:
+        return _on_segments(contact, bodies, first, second, reach)
     x, normal = first.average @ first.points.x, first.average @ first.points.normal
     distance = np.sum(((second.average @ second.points.x)[partner] - x) * normal, axis=1)
     shape = first.average @ evaluate("gap", contact.gap, first.points.x.T)
@@ -172,24 +195,64 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
         Side(bodies[0], first, (first.average @ first.trace).tocsr(), first.spread),
         Side(bodies[1], second, (swap @ second.average @ second.trace).tocsr(), (second.spread @ swap.T).tocsr()),
     )
-    return Interface(contact, x, normal, first.value_weights, distance + shape, shape, sides)
+    gap = shape + contact.measure_gap * distance
+    return Interface(contact, x, normal, first.value_weights, gap, shape, sides)
 
 
-def _partners(contact: Contact, first: ContactSurface, second: ContactSurface) -> NDArray[np.intp]:
-    """The second surface's value that lies opposite each of the first's, on meshes that match."""
-    dim, n = first.body.mesh.dim, len(first.facets)
-    middles = [side.points.x.reshape(len(side.facets), -1, dim).mean(axis=1) for side in (first, second)]
-    facet = cKDTree(middles[1]).query(middles[0])[1]
-    if len(second.facets) != n or len(np.unique(facet)) != n:
-        raise MeshMismatchError(f"contact {contact.name!r}: {n} facets against {len(second.facets)} that do not match")
-    if first.rule.name == "facet":
-        return facet
-    here, there = (side.points.x.reshape(n, -1, dim) for side in (first, second))
-    # Only the offset across the contact may differ, so points are compared within the facets' planes.
-    offset = here[:, :, None] - there[facet][:, None]
-    normal = first.points.normal.reshape(n, -1, 1, dim)
-    tangential = np.linalg.norm(offset - np.sum(offset * normal, axis=-1, keepdims=True) * normal, axis=-1)
-    size = np.sqrt(first.weights.reshape(n, -1).sum(axis=1).max()) if dim == 3 else first.weights.sum() / n
-    if tangential.min(axis=2).max() > 1e-6 * size:
-        raise MeshMismatchError(f"contact {contact.name!r}: the facets of the two surfaces do not match")
-    return (facet[:, None] * first.per_facet + np.argmin(tangential, axis=2)).ravel()
+def _on_segments(
+    contact: Contact, bodies: tuple[int, int], first: ContactSurface, second: ContactSurface, reach: float
+) -> Interface:
+    """The interface between meshes that do not match; the rule "facet" takes one value per segment."""
+    if contact.quadrature == "vertex":
+        raise MeshMismatchError(
+            f"contact {contact.name!r}: quadrature = 'vertex' needs meshes that match along the contact; "
+            "expected 'gauss' or 'facet'"
+        )
+    partners = by_segments(contact, first, second, reach)
+    if contact.quadrature == "facet":
+        values, weights = partners.mean(), np.bincount(partners.segment, partners.weights)
+        member = np.unique(partners.segment, return_index=True)[1]
+    else:
+        values, weights = sp.eye(len(partners.weights), format="csr"), partners.weights
+        member = np.arange(len(weights))
+    normal = values @ partners.normal
+    shape = values @ evaluate("gap", contact.gap, partners.middle.T)
+    sides = tuple(
+        Side(
+            bodies[place],
+            surface,
+            (values @ normal_trace(surface.body.space, partners.points[place], sign * partners.normal)).tocsr(),
+            _facet_means(surface, partners.facets[place][member], weights),
+        )
+        for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
+    )
+    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
+    return Interface(
+        contact,
+        values @ partners.points[0].x,
+        normal / np.linalg.norm(normal, axis=1, keepdims=True),
+        weights,
+        shape + contact.measure_gap * (values @ partners.gap),
+        shape,
+        (sides[0], sides[1]),
+        (unmatched[0], unmatched[1]),
+    )
+
+
+def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> sp.csr_matrix:
+    """From the values at an interface, `owner` their facets, to a body's own integration points: the facets' means.
+
+    A facet that is only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
+    """
+    count = len(surface.facets)
+    shares = (weights / surface.facet_areas[owner], (owner, np.arange(len(owner))))
+    means = sp.csr_matrix(shares, shape=(count, len(owner)))
+    return means[np.repeat(np.arange(count), surface.per_facet)]
+
+
+def _unmatched(surface: ContactSurface, partners: Partners, place: int) -> float:
+    """The area of a surface that has no partner."""
+    bare = np.maximum(surface.facet_areas - partners.covered(place, len(surface.facets)), 0.0)
+    total = float(surface.facet_areas.sum())
+    area = float(bare.sum())
+    return area if area > 1e-6 * total else 0.0  # less is what seams between curved facets leave

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import basix
 import numpy as np
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import compat
-from .errors import one_of
+from .errors import finite, one_of
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
@@ -23,10 +27,17 @@ class Mesh:
     """A dolfinx mesh and the boundary facets of each named surface.
 
     domain: the dolfinx mesh (plane or solid, any cell type); surfaces: {name: sorted facet indices}.
+    Raises ValueError for coordinates that are not finite, for cells that are degenerate, inverted or fold over their
+    neighbours, and for a surface without facets or with facets inside the body.
     """
 
     domain: dmesh.Mesh
     surfaces: Mapping[str, NDArray[np.int32]]
+
+    def __post_init__(self) -> None:
+        _check_cells(self.domain)
+        for name, facets in self.surfaces.items():
+            _check_surface(self.domain, name, facets)
 
     @property
     def dim(self) -> int:
@@ -37,10 +48,15 @@ class Mesh:
     def cells(self) -> int:
         return self.domain.topology.index_map(self.dim).size_local
 
+    @property
+    def size(self) -> float:
+        """The longest side of the mesh's bounding box."""
+        return float(np.ptp(self.domain.geometry.x, axis=0).max())
+
     def facets(self, surface: str) -> NDArray[np.int32]:
         """The facet indices of a named surface; a name that is not there is refused with the list of those that are."""
         if surface not in self.surfaces:
-            known = ", ".join(repr(name) for name in sorted(self.surfaces)) or "none"
+            known = _listed(list(self.surfaces))
             raise ValueError(f"surface = {surface!r}: the mesh has no surface of that name (it has {known})")
         return self.surfaces[surface]
 
@@ -90,33 +106,88 @@ def from_dolfinx(domain: dmesh.Mesh, **markers: Marker) -> Mesh:
     return Mesh(domain, {}).with_surfaces(**markers)
 
 
-def from_gmsh(model: Any, dim: int = 2) -> Mesh:
+def from_gmsh(model: Any, dim: int = 2, *, body: str | None = None) -> Mesh:
     """The mesh of the current gmsh model, its surfaces named by the physical groups of dimension `dim` - 1.
 
-    The cells must be in physical groups too (gmsh exports nothing else).
+    body: the physical group of dimension `dim` to take where the model has several (by default all cells in groups).
+    Raises ValueError where a group that is needed is missing.
     """
+    groups = {model.getPhysicalName(d, tag): (d, tag) for d, tag in model.getPhysicalGroups()}
+    bodies = [name for name, (d, _) in groups.items() if d == dim]
+    if not bodies:
+        raise ValueError(f"the gmsh model has no physical group of dimension {dim}: no cells would be exported")
+    if body is not None and body not in bodies:
+        raise ValueError(f"body = {body!r}: expected a physical group of dimension {dim}, one of {_listed(bodies)}")
+    if not any(d == dim - 1 for d, _ in groups.values()):
+        raise ValueError(f"the gmsh model has no physical group of dimension {dim - 1}: no surface would have a name")
+    if body is not None:
+        _keep_only(model, dim, groups[body])
     domain, _, facet_tags, names = compat.gmsh_model_to_mesh(model, MPI.COMM_SELF, 0, dim)
     surfaces = {name: np.sort(facet_tags.find(tag)) for name, (group_dim, tag) in names.items() if group_dim == dim - 1}
-    return Mesh(domain, surfaces)
+    return Mesh(domain, {name: facets for name, facets in surfaces.items() if len(facets)})
 
 
-def read_gmsh(path: str | Path, dim: int = 2, **parameters: float) -> Mesh:
-    """Read a .msh file, or mesh a .geo script with its ONELAB constants set to `parameters`."""
+def read_gmsh(path: str | Path, dim: int = 2, *, body: str | None = None, order: int = 1, **parameters: float) -> Mesh:
+    """The mesh in a .msh file, or of a .geo script with its ONELAB numbers "Parameters/…" set to `parameters`.
+
+    body: see `from_gmsh`; order: of the geometry, 2 for curved cells. What a script makes is kept in the user's cache
+    (`mesh_cache`) and made anew when the script, the parameters or the order change.
+    """
     import gmsh
 
     path = Path(path)
     if not path.is_file():
         raise FileNotFoundError(f"path = {str(path)!r}: no such file")
+    if path.suffix != ".geo" and (parameters or order != 1):
+        raise ValueError(f"path = {str(path)!r}: parameters and order are for .geo scripts; a .msh file has its own")
     gmsh.initialize(["contactdd", "-v", "2"], interruptible=False)
     try:
-        for name, value in parameters.items():
-            gmsh.onelab.setNumber(f"Parameters/{name}", [value])
-        gmsh.open(str(path))
-        if path.suffix == ".geo":
-            gmsh.model.mesh.generate(dim)
-        return from_gmsh(gmsh.model, dim)
+        gmsh.open(str(_meshed(gmsh, path, dim, order, parameters) if path.suffix == ".geo" else path))
+        return from_gmsh(gmsh.model, dim, body=body)
     finally:
         gmsh.finalize()
+
+
+def mesh_cache() -> Path:
+    """The folder of the meshes made from scripts: contactdd/meshes in $XDG_CACHE_HOME or ~/.cache."""
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "contactdd" / "meshes"
+
+
+def _meshed(gmsh: Any, script: Path, dim: int, order: int, parameters: Mapping[str, float]) -> Path:
+    """The .msh file of a script, from the cache or made now."""
+    values = {name: finite(name, value) for name, value in sorted(parameters.items())}
+    recipe = json.dumps([script.read_text(), values, dim, order, gmsh.__version__])
+    target = mesh_cache() / f"{script.stem}-{hashlib.sha256(recipe.encode()).hexdigest()[:16]}.msh"
+    if not target.is_file():
+        gmsh.open(str(script))
+        known = [name.removeprefix("Parameters/") for name in gmsh.onelab.getNames("Parameters/.*")]
+        for name, value in values.items():
+            if name not in known:
+                raise ValueError(f"{name} = {value!r}: {script.name} has no such parameter (it has {_listed(known)})")
+            gmsh.onelab.setNumber(f"Parameters/{name}", [value])
+        gmsh.clear()
+        gmsh.open(str(script))
+        gmsh.model.mesh.generate(dim)
+        gmsh.model.mesh.setOrder(order)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # Written aside and moved, so that a run that is interrupted or runs beside another leaves no half file.
+        unfinished = target.with_name(f"{os.getpid()}-{target.name}")
+        gmsh.write(str(unfinished))
+        unfinished.replace(target)
+        gmsh.clear()
+    return target
+
+
+def _keep_only(model: Any, dim: int, group: tuple[int, int]) -> None:
+    """Take all out of a gmsh model but the cells of one physical group and what is around them."""
+    kept = {int(entity) for entity in model.getEntitiesForPhysicalGroup(*group)}
+    model.removeEntities([(d, tag) for d, tag in model.getEntities(dim) if tag not in kept], recursive=True)
+    model.mesh.renumberNodes()
+    model.mesh.renumberElements()
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(repr(name) for name in sorted(names)) or "none"
 
 
 def _corners(
@@ -147,3 +218,73 @@ def _mark(domain: dmesh.Mesh, markers: Mapping[str, Marker]) -> dict[str, NDArra
     dim = domain.topology.dim
     domain.topology.create_connectivity(dim - 1, dim)
     return {name: np.sort(dmesh.locate_entities_boundary(domain, dim - 1, marker)) for name, marker in markers.items()}
+
+
+def _check_cells(domain: dmesh.Mesh) -> None:
+    """Refuse coordinates that are not numbers, and cells that no displacement could be computed in."""
+    dim, x = domain.topology.dim, domain.geometry.x
+    if not np.all(np.isfinite(x)):
+        bad = int(np.argmin(np.isfinite(x).all(axis=1)))
+        raise ValueError(f"mesh: node {bad} has coordinates {x[bad]}; expected finite numbers")
+    if domain.geometry.dim != dim:
+        raise ValueError(
+            f"mesh: {dim}-dimensional cells in {domain.geometry.dim} dimensions; expected the same of both"
+        )
+    volumes = _volumes(domain)
+    size = np.ptp(x[compat.geometry_dofmap(domain)], axis=1).max(axis=1)
+    ratio = np.abs(volumes).min(axis=0) / size**dim
+    # A cell this flat has lost all digits of its stiffness.
+    _refuse_cells(domain, ratio < 1e-12, "degenerate (of no volume)")
+    _refuse_cells(domain, np.ptp(np.sign(volumes), axis=0) > 0, "inverted (their map turns inside out)")
+    domain.topology.create_connectivity(dim - 1, dim)
+    cells = domain.topology.connectivity(dim - 1, dim)
+    inner = np.flatnonzero(np.diff(cells.offsets) == 2).astype(np.int32)
+    corners = x[dmesh.entities_to_geometry(domain, dim - 1, inner, False).reshape(len(inner), -1)][:, :, :dim]
+    middles = x[compat.geometry_dofmap(domain)].mean(axis=1)[:, :dim]
+    edges = [corners[:, i] - corners[:, 0] for i in range(1, dim)]
+    sides = [
+        _determinants(
+            np.moveaxis(np.stack([*edges, middles[cells.array[cells.offsets[inner] + k]] - corners[:, 0]]), 2, 1)
+        )
+        for k in (0, 1)
+    ]
+    folded = inner[sides[0] * sides[1] >= 0.0]
+    where = np.zeros(len(middles), dtype=bool)
+    where[cells.array[cells.offsets[folded]]] = True
+    _refuse_cells(domain, where, "folded over a neighbour (inverted)")
+
+
+def _volumes(domain: dmesh.Mesh) -> NDArray[np.float64]:
+    """The determinants of the cells' maps at their corners and middle, (points, cells)."""
+    element = compat.coordinate_map(domain)
+    corners = np.asarray(basix.geometry(element.cell_type))
+    affine = element.degree == 1 and len(corners) == domain.topology.dim + 1
+    points = corners[:1] if affine else np.vstack([corners, corners.mean(axis=0)])
+    table = element.tabulate(1, points)[1:, :, :, 0]
+    nodes = domain.geometry.x[compat.geometry_dofmap(domain)][:, :, : domain.topology.dim]
+    return _determinants(
+        np.stack([np.stack([rows @ nodes[:, :, i].T for i in range(nodes.shape[2])]) for rows in table])
+    )
+
+
+def _determinants(m: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The determinants of matrices (dim, dim, ...)."""
+    if len(m) == 2:
+        return m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
+    return np.sum(m[0] * np.cross(m[1], m[2], axis=0), axis=0)
+
+
+def _refuse_cells(domain: dmesh.Mesh, bad: NDArray[np.bool_], what: str) -> None:
+    if np.any(bad):
+        middle = domain.geometry.x[compat.geometry_dofmap(domain)[int(np.argmax(bad))]].mean(axis=0)
+        raise ValueError(f"mesh: {int(bad.sum())} cells are {what}, one of them around {middle[: domain.topology.dim]}")
+
+
+def _check_surface(domain: dmesh.Mesh, name: str, facets: NDArray[np.int32]) -> None:
+    if len(facets) == 0:
+        raise ValueError(f"surface {name!r} has no facets: no facet of the boundary is where it should be")
+    dim = domain.topology.dim
+    domain.topology.create_connectivity(dim - 1, dim)
+    inside = int(np.sum(np.diff(domain.topology.connectivity(dim - 1, dim).offsets)[facets] != 1))
+    if inside:
+        raise ValueError(f"surface {name!r}: {inside} of its {len(facets)} facets are inside the body")

@@ -33,7 +33,8 @@ class ContactResult:
     """A contact at n points.
 
     x: (n, dim) where; weights: (n,) areas; gap: (n,) the deformed gap z = d − u_αn − u_βn (length); compression: (n,)
-    the layer's w = min(z, 0); pressure: (n,) −σ_n >= 0 (stress); normal: (n, dim) outward of the first body.
+    the layer's w = min(z, 0); pressure: (n,) −σ_n >= 0 (stress); normal: (n, dim) outward of the first body;
+    unmatched: the area of either surface that lies opposite nothing and is therefore outside the contact.
     """
 
     x: Floats
@@ -42,6 +43,7 @@ class ContactResult:
     gap: Floats
     compression: Floats
     pressure: Floats
+    unmatched: tuple[float, float] = (0.0, 0.0)
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -111,7 +113,10 @@ class Solution:
             for side in interface.sides:
                 gaps -= side.trace @ self.displacement(self.scene.bodies[side.body]).x.array
         stress = interface.contact.layer.contact_stress(gaps)
-        return ContactResult(interface.x, interface.normal, interface.weights, gaps, np.minimum(gaps, 0.0), -stress)
+        compression = np.minimum(gaps, 0.0)
+        return ContactResult(
+            interface.x, interface.normal, interface.weights, gaps, compression, -stress, interface.unmatched
+        )
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
         """½ a(u, u) of a body, or of all of them."""
@@ -233,8 +238,7 @@ class Solution:
     def _resampled(self, index: int, degree: int) -> Interface:
         """The contact at Gauss points of another degree."""
         contact, places = self.scene.contacts[index], [side.body for side in self.scene.interfaces[index].sides]
-        finer = Contact(*contact.sides, contact.layer, gap=contact.gap, quadrature="gauss", quadrature_degree=degree)
-        return discretise(finer, (places[0], places[1]))
+        return discretise(contact.resampled(degree), (places[0], places[1]))
 
     def _place(self, body: str | Body) -> int:
         for place, other in enumerate(self.scene.bodies):

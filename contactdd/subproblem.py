@@ -252,7 +252,7 @@ class CondensedSubproblem(Subproblem):
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
     """The unknowns that a contact's normal displacements depend on and, where a body could still move rigidly with
     all of them held, every unknown of the same nodes: the inside must be a well-posed problem."""
-    kept = np.unique(np.concatenate([port.robin_trace.indices for port in problem.ports]))
+    kept = np.unique(np.concatenate([t.indices for port in problem.ports for t in (port.trace, port.robin_trace)]))
     if _hold(problem.rigid.modes[kept]):
         return kept
     dim = problem.body.mesh.dim

@@ -48,22 +48,35 @@ def facet_entities(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> NDArray[np.
 
 
 def facet_points(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> FacetPoints:
-    """One point on each of the facets `entities` (n, 2), at the reference facet's coordinates `points` (n, dim - 1)."""
-    reference, normal, area = _to_reference_cell(domain, entities[:, 1], points)
-    element = compat.coordinate_map(domain)
-    table = element.tabulate(1, reference)[:, :, :, 0]
-    corners = domain.geometry.x[compat.geometry_dofmap(domain)[entities[:, 0]]][:, :, : domain.topology.dim]
-    jacobian = np.einsum("jpn,pni->pij", table[1:], corners)
+    """The points of the facets `entities` (n, 2), one each, at the reference facet's coordinates `points` (n, dim - 1)."""
+    frame, local = _reference_facets(domain), entities[:, 1]
+    reference = frame.to_cell(local, points)
+    x, jacobian = _map(domain, entities[:, 0], reference)
     # Nanson's formula: the reference normal and area become J⁻ᵀN and |det J| |J⁻ᵀN|.
-    mapped = np.linalg.solve(np.swapaxes(jacobian, 1, 2), normal[:, :, None])[:, :, 0]
+    mapped = np.linalg.solve(np.swapaxes(jacobian, 1, 2), frame.normals[local][:, :, None])[:, :, 0]
     length = np.linalg.norm(mapped, axis=1)
-    return FacetPoints(
-        entities[:, 0],
-        reference,
-        np.einsum("pn,pni->pi", table[0], corners),
-        mapped / length[:, None],
-        area * length * np.abs(np.linalg.det(jacobian)),
-    )
+    area = frame.areas[local] * length * np.abs(np.linalg.det(jacobian))
+    return FacetPoints(entities[:, 0], reference, x, mapped / length[:, None], area)
+
+
+def facet_map(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> tuple[Floats, Floats]:
+    """x (n, dim) and its derivatives (n, dim, dim − 1) by the reference facet's coordinates, one point per facet."""
+    frame, local = _reference_facets(domain), entities[:, 1]
+    x, jacobian = _map(domain, entities[:, 0], frame.to_cell(local, points))
+    return x, np.matmul(jacobian, np.swapaxes(frame.axes[local], 1, 2))
+
+
+def facet_corners(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> Floats:
+    """The corners of facets in order around each, (n, corners, dim)."""
+    vertices = np.asarray(basix.geometry(facet_type(domain)))
+    around = [0, 1, 3, 2] if len(vertices) == 4 else list(range(len(vertices)))  # basix counts row by row
+    x, _ = facet_map(domain, np.repeat(entities, len(vertices), axis=0), np.tile(vertices[around], (len(entities), 1)))
+    return x.reshape(len(entities), len(vertices), -1)
+
+
+def facet_type(domain: dmesh.Mesh) -> basix.CellType:
+    """The shape of the mesh's facets."""
+    return basix.cell.subentity_types(compat.coordinate_map(domain).cell_type)[domain.topology.dim - 1][0]
 
 
 def normal_trace(space: fem.FunctionSpace, points: FacetPoints, normal: Floats | None = None) -> sp.csr_matrix:
@@ -85,10 +98,22 @@ def normal_trace(space: fem.FunctionSpace, points: FacetPoints, normal: Floats |
     return operator
 
 
-def _to_reference_cell(
-    domain: dmesh.Mesh, local_facets: NDArray[np.int32], points: Floats
-) -> tuple[Floats, Floats, Floats]:
-    """Points, outward normals and facet areas in the reference cell."""
+@dataclass(frozen=True)
+class _ReferenceFacets:
+    """The facets of the reference cell: origins (f, dim), axes (f, dim − 1, dim), outward normals (f, dim), areas (f,)
+    per unit of the reference facet."""
+
+    origins: Floats
+    axes: Floats
+    normals: Floats
+    areas: Floats
+
+    def to_cell(self, local: NDArray[np.int32], points: Floats) -> Floats:
+        """Coordinates in the reference cell of points (n, dim − 1) of its facets `local` (n,)."""
+        return self.origins[local] + np.einsum("pi,pij->pj", points, self.axes[local])
+
+
+def _reference_facets(domain: dmesh.Mesh) -> _ReferenceFacets:
     cell = compat.coordinate_map(domain).cell_type
     dim = domain.topology.dim
     vertices, facets = basix.geometry(cell), basix.topology(cell)[dim - 1]
@@ -96,5 +121,13 @@ def _to_reference_cell(
     origins = np.array([vertices[facet[0]] for facet in facets])
     axes = np.array([[vertices[facet[1 + i]] - vertices[facet[0]] for i in range(dim - 1)] for facet in facets])
     areas = np.linalg.norm(axes[:, 0], axis=1) if dim == 2 else np.linalg.norm(np.cross(axes[:, 0], axes[:, 1]), axis=1)
-    reference = origins[local_facets] + np.einsum("pi,pij->pj", points, axes[local_facets])
-    return reference, normals[local_facets], areas[local_facets]
+    return _ReferenceFacets(origins, axes, normals, areas)
+
+
+def _map(domain: dmesh.Mesh, cells: NDArray[np.int32], reference: Floats) -> tuple[Floats, Floats]:
+    """x (n, dim) and the Jacobian (n, dim, dim) at points of the reference cell, one per cell."""
+    table = compat.coordinate_map(domain).tabulate(1, reference)[:, :, :, 0]
+    nodes = domain.geometry.x[compat.geometry_dofmap(domain)[cells]][:, :, : domain.topology.dim]
+    # One product for all: the derivatives by the dim reference coordinates, and the point itself.
+    mapped = np.matmul(np.swapaxes(nodes, 1, 2), np.ascontiguousarray(np.moveaxis(table, 0, 2)))
+    return mapped[:, :, 0], mapped[:, :, 1:]

@@ -1,0 +1,160 @@
+"""The common refinement of two surfaces: where a facet of one and a facet of the other overlap, a segment.
+
+Facets are seen along the normal that both share, n = (n_α − n_β)/|n_α − n_β|, in the plane across it. Nothing tells the
+two surfaces apart: exchanged, they give the same segments. Everything here is geometry of arrays; no mesh is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+#: Overlaps smaller than this part of the smaller facet are rounding, not contact.
+NEGLIGIBLE = 1e-12
+
+
+@dataclass(frozen=True)
+class Segments:
+    """n integration points on the segments of pairs of facets.
+
+    pair: (n,) the pair each belongs to; line: (n, dim) a point of the line along the common normal on which the
+    partners lie; weight: (n,) area across the normal.
+    """
+
+    pair: Indices
+    line: Floats
+    weight: Floats
+
+
+def common_normals(first: Floats, second: Floats) -> Floats:
+    """The common normals of facing outward normals (n, dim), pointing out of the first."""
+    difference = first - second
+    return difference / np.linalg.norm(difference, axis=1, keepdims=True)
+
+
+def segments(first: Floats, second: Floats, normal: Floats, points: Floats, weights: Floats) -> Segments:
+    """The segments of n pairs of facets, with the quadrature `points` (q, dim − 1), `weights` on each simplex of them.
+
+    first, second: (n, corners, dim) in order around each facet; normal: (n, dim) the common normals.
+    """
+    middle = 0.5 * (first.mean(axis=1) + second.mean(axis=1))
+    axes = _axes_across(normal)
+    seen = [np.einsum("pci,pki->pck", corners - middle[:, None], axes) for corners in (first, second)]
+    pair, simplices = (_overlaps_of_intervals if first.shape[2] == 2 else _overlaps_of_polygons)(*seen)
+    edges = simplices[:, 1:] - simplices[:, :1]
+    across = simplices[:, :1] + np.einsum("qk,skj->sqj", points, edges)
+    # The determinant is the area per unit of the reference simplex, which is what quadrature weights refer to.
+    area = np.abs(np.linalg.det(edges))
+    pair = np.repeat(pair, len(weights))
+    line = middle[pair] + np.einsum("pk,pki->pi", across.reshape(len(pair), -1), axes[pair])
+    return Segments(pair, line, (area[:, None] * weights).ravel())
+
+
+def meet_line(
+    surface: Callable[[Floats], tuple[Floats, Floats]], line: Floats, direction: Floats, start: Floats
+) -> Floats:
+    """Where curved facets meet lines, in the facets' coordinates (n, dim − 1).
+
+    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1). Newton's iteration.
+    """
+    local = start
+    for _ in range(20):
+        x, tangents = surface(local)
+        matrix = np.concatenate([tangents, -direction[:, :, None]], axis=2)
+        offset = line - x
+        step = np.linalg.solve(matrix, offset[:, :, None])[:, :-1, 0]
+        local = local + step
+        if np.abs(step).max(initial=0.0) < 1e-8:  # the error is then this step's square
+            break
+    return local
+
+
+def _overlaps_of_intervals(first: Floats, second: Floats) -> tuple[Indices, Floats]:
+    """The overlaps of pairs of intervals (n, 2, 1): the pairs that have one, and the overlaps (m, 2, 1)."""
+    low = np.maximum(first.min(axis=1), second.min(axis=1))
+    high = np.minimum(first.max(axis=1), second.max(axis=1))
+    shorter = np.minimum(np.ptp(first, axis=1), np.ptp(second, axis=1))
+    pair = np.flatnonzero((high - low > NEGLIGIBLE * shorter)[:, 0])
+    return pair, np.stack([low[pair], high[pair]], axis=1)
+
+
+def _overlaps_of_polygons(first: Floats, second: Floats) -> tuple[Indices, Floats]:
+    """The overlaps of pairs of convex polygons (n, corners, 2), cut into triangles: the pair of each, the triangles.
+
+    The cut goes from the middle of the overlap to its corners, so that it does not depend on which polygon is first.
+    """
+    first, second = _counter_clockwise(first), _counter_clockwise(second)
+    boxes = (first.max(axis=1) > second.min(axis=1)) & (second.max(axis=1) > first.min(axis=1))
+    pair = np.flatnonzero(boxes.all(axis=1))
+    first, second = first[pair], second[pair]
+    smaller = np.minimum(_areas(first), _areas(second))
+    polygon, count = _clip(first, second)
+    centre = polygon.sum(axis=1) / np.maximum(count, 1)[:, None]
+    places = np.arange(polygon.shape[1])
+    following = np.where(places + 1 < count[:, None], places + 1, 0)
+    ends = np.take_along_axis(polygon, following[:, :, None], axis=1)
+    triangles = np.stack([np.broadcast_to(centre[:, None], polygon.shape), polygon, ends], axis=2)
+    whole = count == 3  # a triangle needs no cut
+    triangles[whole, 0] = polygon[whole, :3]
+    used = (places < count[:, None]) & ~(whole[:, None] & (places > 0))
+    used &= _areas(triangles) > NEGLIGIBLE * smaller[:, None]
+    owner, place = np.nonzero(used)
+    return pair[owner], triangles[owner, place]
+
+
+def _clip(polygons: Floats, windows: Floats) -> tuple[Floats, Indices]:
+    """Sutherland and Hodgman's clipping of n convex polygons (n, c, 2) by convex windows (n, d, 2), all at once.
+
+    Returns the corners, padded with zeros to (n, c + d, 2), and how many each polygon has.
+    """
+    polygon, count = polygons, np.full(len(polygons), polygons.shape[1])
+    for start, end in zip(np.moveaxis(windows, 1, 0), np.moveaxis(np.roll(windows, -1, axis=1), 1, 0), strict=True):
+        places = np.arange(polygon.shape[1])
+        there = places < count[:, None]
+        following = np.where(places + 1 < count[:, None], places + 1, 0)
+        edge = end - start
+        inside = edge[:, None, 0] * (polygon[:, :, 1] - start[:, None, 1])
+        inside -= edge[:, None, 1] * (polygon[:, :, 0] - start[:, None, 0])
+        inside_next = np.take_along_axis(inside, following, axis=1)
+        crossing = inside * inside_next < 0.0
+        part = inside / np.where(crossing, inside - inside_next, 1.0)
+        ends = np.take_along_axis(polygon, following[:, :, None], axis=1)
+        cut = polygon + part[:, :, None] * (ends - polygon)
+        # Every corner inside stays, followed by the cut of its edge.
+        corners = np.stack([polygon, cut], axis=2).reshape(len(polygon), -1, 2)
+        kept = np.stack([there & (inside >= 0.0), there & crossing], axis=2).reshape(len(polygon), -1)
+        order = np.argsort(~kept, axis=1, kind="stable")[:, : polygon.shape[1] + 1]
+        count = np.minimum(kept.sum(axis=1), order.shape[1])  # more than that are slivers of rounding
+        polygon = np.take_along_axis(corners, order[:, :, None], axis=1)
+        polygon[np.arange(polygon.shape[1]) >= count[:, None]] = 0.0
+    return polygon, count
+
+
+def _counter_clockwise(polygons: Floats) -> Floats:
+    return np.where((_signed_areas(polygons) < 0.0)[:, None, None], polygons[:, ::-1], polygons)
+
+
+def _areas(polygons: Floats) -> Floats:
+    return np.abs(_signed_areas(polygons))
+
+
+def _signed_areas(polygons: Floats) -> Floats:
+    """The areas of polygons (..., corners, 2)."""
+    x, y = polygons[..., 0] - polygons[..., :1, 0], polygons[..., 1] - polygons[..., :1, 1]
+    return 0.5 * np.sum(x * np.roll(y, -1, axis=-1) - np.roll(x, -1, axis=-1) * y, axis=-1)
+
+
+def _axes_across(normal: Floats) -> Floats:
+    """Orthonormal axes (n, dim − 1, dim) of the planes across unit normals (n, dim)."""
+    if normal.shape[1] == 2:
+        return np.stack([-normal[:, 1], normal[:, 0]], axis=1)[:, None]
+    smallest = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
+    first = np.cross(normal, smallest)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    return np.stack([first, np.cross(normal, first)], axis=1)

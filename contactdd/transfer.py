@@ -1,0 +1,189 @@
+"""Points that lie opposite each other on two contact surfaces: on meshes that match, and on any others by segments.
+
+Partners x, x' lie on one line along their common normal n = (n_α − n_β)/|n_α − n_β|, and both bodies are seen along it
+with the same weights: action equals reaction, in force and in moment, and nothing tells the two surfaces apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import basix
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from .errors import MeshMismatchError
+from .search import FACING, facing_pairs
+from .segment import common_normals, meet_line, segments
+from .trace import FacetPoints, facet_map, facet_points
+
+if TYPE_CHECKING:
+    from .contact import Contact
+    from .interface import ContactSurface
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class Partners:
+    """n pairs of opposite points of two surfaces.
+
+    points: both sides' x and x'; facets: both sides' facets, by their place in the surface; normal: (n, dim) the common
+    normal out of the first; weights: (n,) areas across it; segment: (n,) the segment that each pair belongs to.
+    """
+
+    points: tuple[FacetPoints, FacetPoints]
+    facets: tuple[Indices, Indices]
+    normal: Floats
+    weights: Floats
+    segment: Indices
+
+    @property
+    def gap(self) -> Floats:
+        """The distance along the common normal, (n,); negative where the meshes overlap."""
+        return np.sum((self.points[1].x - self.points[0].x) * self.normal, axis=1)
+
+    @property
+    def middle(self) -> Floats:
+        """Midway between the partners, (n, dim)."""
+        return 0.5 * (self.points[0].x + self.points[1].x)
+
+    def mean(self) -> sp.csr_matrix:
+        """From the points to the segments: the mean over each."""
+        count = int(self.segment.max()) + 1
+        total = np.bincount(self.segment, self.weights, count)
+        rows = (self.weights / total[self.segment], (self.segment, np.arange(len(self.segment))))
+        return sp.csr_matrix(rows, shape=(count, len(self.segment)))
+
+    def covered(self, side: int, count: int) -> Floats:
+        """How much of each of the side's `count` facets has a partner, in the facet's own area."""
+        slope = np.abs(np.sum(self.points[side].normal * self.normal, axis=1))
+        return np.bincount(self.facets[side], self.weights / slope, count)
+
+
+def matching(first: ContactSurface, second: ContactSurface, reach: float) -> Indices | None:
+    """The second surface's value that lies opposite each of the first's, or None if the meshes do not match there."""
+    dim, n = first.body.mesh.dim, len(first.facets)
+    if len(second.facets) != n or first.corners.shape != second.corners.shape:
+        return None
+    middles = [side.points.x.reshape(n, -1, dim).mean(axis=1) for side in (first, second)]
+    distance, facet = cKDTree(middles[1]).query(middles[0])
+    if len(np.unique(facet)) != n or distance.max() > reach:
+        return None
+    normal = first.points.normal.reshape(n, -1, dim)
+    if np.any(np.sum(normal * second.points.normal.reshape(n, -1, dim)[facet], axis=2) > -np.cos(FACING)):
+        return None
+    size = np.sqrt(first.weights.reshape(n, -1).sum(axis=1).max()) if dim == 3 else first.weights.sum() / n
+    if _offsets(first.corners, second.corners[facet], normal[:, :1]).min(axis=2).max() > 1e-6 * size:
+        return None
+    if first.rule.name == "facet":
+        return facet
+    here, there = (side.points.x.reshape(n, -1, dim) for side in (first, second))
+    offsets = _offsets(here, there[facet], normal)
+    if offsets.min(axis=2).max() > 1e-6 * size:
+        return None
+    return (facet[:, None] * first.per_facet + np.argmin(offsets, axis=2)).ravel()
+
+
+def by_segments(contact: Contact, first: ContactSurface, second: ContactSurface, reach: float) -> Partners:
+    """The partners on the segments of both surfaces, whatever their meshes.
+
+    Raises MeshMismatchError if no facet has a partner, or some have two, one behind the other.
+    """
+    sides = (first, second)
+    flat = [side.middles.normal for side in sides]
+    pairs = facing_pairs(first.corners, flat[0], second.corners, flat[1], reach)
+    facing = np.sum(flat[0][pairs[0]] * flat[1][pairs[1]], axis=1) < -np.cos(FACING)
+    pairs = (pairs[0][facing], pairs[1][facing])
+    common = common_normals(flat[0][pairs[0]], flat[1][pairs[1]])
+    simplex = basix.CellType.interval if first.body.mesh.dim == 2 else basix.CellType.triangle
+    rule = basix.make_quadrature(simplex, first.rule.degree)
+    found = segments(first.corners[pairs[0]], second.corners[pairs[1]], common, *rule)
+    facets = (pairs[0][found.pair], pairs[1][found.pair])
+    partners = _opposite(sides, facets, found.line, common[found.pair], found.weight, found.pair)
+    partners = _within(partners, reach)
+    if len(partners.weights) == 0:
+        raise MeshMismatchError(_why_none(contact, first, second, reach))
+    for place, side in enumerate(sides):
+        twice = partners.covered(place, len(side.facets)) > 1.9 * side.facet_areas
+        if np.any(twice):
+            raise MeshMismatchError(
+                f"contact {contact.name!r}: {twice.sum()} facets of surface {side.surface!r} of body "
+                f"{side.body.name!r} have two partners, one behind the other; expected a smaller search_distance or "
+                "a surface of fewer facets"
+            )
+    return partners
+
+
+def _opposite(
+    sides: tuple[ContactSurface, ContactSurface],
+    facets: tuple[Indices, Indices],
+    line: Floats,
+    normal: Floats,
+    weights: Floats,
+    segment: Indices,
+) -> Partners:
+    """The points where the facets meet lines along their common normals.
+
+    The lines given (n, dim) run along the flat facets' normals. On curved facets each turns about the middle of its
+    partners until it follows the normals at those themselves.
+    """
+    across = normal
+    local = [np.tile(side.centre, (len(line), 1)) for side in sides]
+    for _ in range(10):
+        points = []
+        for place, side in enumerate(sides):
+            entities = side.entities[facets[place]]
+            domain = side.body.mesh.domain
+            local[place] = meet_line(
+                lambda s, domain=domain, entities=entities: facet_map(domain, entities, s), line, normal, local[place]
+            )
+            points.append(facet_points(domain, entities, local[place]))
+        turned = common_normals(points[0].normal, points[1].normal)
+        line = 0.5 * (points[0].x + points[1].x)
+        change = np.abs(turned - normal).max(initial=0.0)
+        if change < 1e-12:
+            break
+        normal = turned
+    weights = weights / np.sum(across * normal, axis=1)
+    return Partners((points[0], points[1]), facets, normal, weights, segment)
+
+
+def _within(partners: Partners, reach: float) -> Partners:
+    """The segments whose partners are no further apart than `reach`, numbered without gaps."""
+    if len(partners.weights) == 0:
+        return partners
+    count = int(partners.segment.max()) + 1
+    total = np.bincount(partners.segment, partners.weights, count)
+    far = np.bincount(partners.segment, partners.weights * np.abs(partners.gap), count) > reach * total
+    kept = np.flatnonzero(~far[partners.segment])
+    points = tuple(
+        FacetPoints(p.cells[kept], p.reference[kept], p.x[kept], p.normal[kept], p.area[kept]) for p in partners.points
+    )
+    facets = (partners.facets[0][kept], partners.facets[1][kept])
+    segment = np.unique(partners.segment[kept], return_inverse=True)[1]
+    return Partners((points[0], points[1]), facets, partners.normal[kept], partners.weights[kept], segment)
+
+
+def _offsets(here: Floats, there: Floats, normal: Floats) -> Floats:
+    """The distances across the normals (n, p or 1, dim) between points (n, p, dim) and (n, q, dim) of paired facets.
+
+    On meshes that match only the offset across the contact may differ: points are compared within the facets' planes.
+    """
+    offset, normal = here[:, :, None] - there[:, None], normal[:, :, None]
+    return np.linalg.norm(offset - np.sum(offset * normal, axis=-1, keepdims=True) * normal, axis=-1)
+
+
+def _why_none(contact: Contact, first: ContactSurface, second: ContactSurface, reach: float) -> str:
+    """Why no facet of two surfaces has a partner, in words."""
+    name = f"contact {contact.name!r}: the surfaces {first.surface!r} and {second.surface!r} "
+    if np.min(first.middles.normal @ second.middles.normal.T) > -np.cos(FACING):
+        return name + "do not face each other (their outward normals do not point towards one another)"
+    nearest = float(cKDTree(second.middles.x).query(first.middles.x)[0].min())
+    if nearest > reach:
+        return name + f"are {nearest:.3g} apart; expected a distance within search_distance = {reach:.3g}"
+    return name + "do not overlap: no facet of one lies opposite a facet of the other"
