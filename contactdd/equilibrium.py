@@ -20,6 +20,9 @@ from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
 
+#: Loads that are in balance cancel to rounding; this part of them leaves room for that and for no real load.
+BALANCED = 1e-9
+
 
 def escape(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> LooseBodyError | None:
     """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion."""
@@ -31,8 +34,7 @@ def escape(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> L
     free = scipy.linalg.null_space(motions.elastic, rcond=1e-12) if np.any(motions.elastic) else np.eye(count)
     loads = np.concatenate([problem.load for problem in problems])
     work = free.T @ motions.modes.T @ loads
-    # Loads that are in balance cancel to rounding; 1e-9 leaves room for that and for no real load.
-    if free.shape[1] == 0 or np.abs(work).max() <= 1e-9 * np.linalg.norm(loads):
+    if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * np.linalg.norm(loads):
         return None
     closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
     found = linprog(
