@@ -12,6 +12,7 @@ DefineConstant[
 ];
 
 Sphere(1) = {0, 0, -radius, radius};
+Rotate { {0, 0, 1}, {0, 0, -radius}, -3 * Pi / 4 } { Volume{1}; } // the sphere's seam away from the planes of symmetry
 Box(2) = {0, 0, -rise - height, side, side, height};
 Box(3) = {0, 0, -rise, 2 * radius, 2 * radius, radius};
 BooleanIntersection(4) = { Volume{1}; Delete; }{ Volume{3}; Delete; };
