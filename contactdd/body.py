@@ -149,21 +149,17 @@ class Body:
         return self.stiffness * self.kinematics.strain(u)
 
     def elastic_form(self, u: Any, v: Any) -> ufl.Form:
-        """a(u, v) = ∫ σ(u) : ε(v) dx, and ∫ k u·v ds of springs."""
+        """∫ σ(u) : ε(v) dx, which with the springs is a(u, v)."""
         metadata = {"quadrature_degree": self._material_degree} if self.material.varies else None
-        form = self.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), metadata)
-        springs = self.spring_form(u, v)
-        return form if springs is None else form + springs
+        return self.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), metadata)
 
-    def spring_form(self, u: Any, v: Any) -> ufl.Form | None:
-        """∫ k u·v ds of the springs alone, or None for a body without."""
-        forms = [support.form(self, u, v) for support in self.supports if isinstance(support, Spring)]
-        return sum(forms[1:], forms[0]) if forms else None
+    def spring_forms(self, u: Any, v: Any) -> list[ufl.Form]:
+        """∫ k u·v ds of every spring. Forms are kept apart so that no combination of them is compiled anew."""
+        return [support.form(self, u, v) for support in self.supports if isinstance(support, Spring)]
 
-    def load_form(self, v: Any) -> ufl.Form | None:
-        """l(v) = ∫ f·v dx + ∫ p·v ds, or None for a body without loads."""
-        forms = [load.form(self, v) for load in self.loads]
-        return sum(forms[1:], forms[0]) if forms else None
+    def load_forms(self, v: Any) -> list[ufl.Form]:
+        """∫ f·v dx or ∫ p·v ds of every load; l(v) is their sum."""
+        return [load.form(self, v) for load in self.loads]
 
     def robin_form(self, u: Any, v: Any, phi: Any, surface: str, metadata: dict[str, Any]) -> ufl.Form:
         """∫ φ u_n v_n ds over a contact surface: the Robin term of (22), (32), (36)."""

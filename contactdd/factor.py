@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import scipy.sparse as sp
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -89,6 +90,66 @@ class Factor:
         """petsc4py has no call for MatFactorSetSchurIS, so the library is asked itself."""
         indices = PETSc.IS().createGeneral(np.asarray(schur, dtype=PETSc.IntType), comm=PETSc.COMM_SELF)
         _check(_petsc().MatFactorSetSchurIS(self._handle(), ctypes.c_void_p(indices.handle)))
+
+
+class SpreadFactor:
+    """The same elimination by several ranks together, each with a part of the factor.
+
+    matrix, schur: as for `Factor`, known to every rank of `comm`. MUMPS gives Schur complements on one rank only, so
+    the complement is made of solves with the kept unknowns' columns.
+    """
+
+    #: Columns that are solved for at once.
+    BLOCK = 64
+
+    def __init__(self, matrix: sp.csr_matrix, schur: NDArray[np.intp], comm: MPI.Comm) -> None:
+        self._comm, self._kept = comm, schur
+        self._inner = np.setdiff1d(np.arange(matrix.shape[0]), schur)
+        ends = np.linspace(0, len(self._inner), comm.size + 1).astype(int)
+        self._first, self._last = ends[comm.rank], ends[comm.rank + 1]
+        rows = matrix[self._inner[self._first : self._last]].tocsr()
+        own, self._coupling = rows[:, self._inner].tocsr(), rows[:, schur].tocsr()
+        self._kept_block = matrix[schur][:, schur].toarray()
+        own.sort_indices()
+        size = (self._last - self._first, len(self._inner))
+        csr = (own.indptr.astype(PETSc.IntType), own.indices.astype(PETSc.IntType), own.data)
+        self._matrix = PETSc.Mat().createAIJ((size, size), csr=csr, comm=comm)
+        self._matrix.setOption(PETSc.Mat.Option.SPD, True)
+        self._pc = PETSc.PC().create(comm)
+        self._pc.setOperators(self._matrix)
+        self._pc.setType("cholesky")
+        self._pc.setFactorSolverType("mumps")
+        self._pc.setUp()
+        self._rhs, self._solution = self._matrix.createVecs()
+
+    def solve(self, rhs: Floats) -> Floats:
+        """The solution of the inner system for one right-hand side of all unknowns, known to every rank."""
+        self._rhs.array[:] = rhs[self._inner[self._first : self._last]]
+        self._pc.apply(self._rhs, self._solution)
+        solution = np.zeros(len(rhs))
+        solution[self._inner] = np.concatenate(self._comm.allgather(self._solution.array.copy()))
+        return solution
+
+    @property
+    def complement(self) -> Floats:
+        """The Schur complement, dense (c, c), the same on every rank."""
+        eliminated = np.empty_like(self._kept_block)
+        local, total = self._last - self._first, len(self._inner)
+        for start in range(0, len(self._kept), self.BLOCK):
+            columns = self._coupling[:, start : start + self.BLOCK].toarray(order="F")
+            count = columns.shape[1]
+            sizes = ((local, total), (PETSc.DECIDE, count))
+            given = PETSc.Mat().createDense(sizes, array=columns, comm=self._comm)
+            found = PETSc.Mat().createDense(sizes, comm=self._comm)
+            given.assemble()
+            found.setUp()
+            found.assemble()
+            self._pc.getFactorMatrix().matSolve(given, found)
+            eliminated[:, start : start + count] = self._coupling.T @ found.getDenseArray()
+            given.destroy()
+            found.destroy()
+        complement = self._kept_block - self._comm.allreduce(eliminated)
+        return 0.5 * (complement + complement.T)
 
 
 @cache

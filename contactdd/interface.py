@@ -178,8 +178,8 @@ class GivenGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; gap: (n,) d;
-    shape: (n,) the part of d that is given, not found from the meshes, and how: given; sides: both bodies; unmatched:
+    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
+    the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; unmatched:
     the area of either surface that has no partner. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
@@ -187,16 +187,28 @@ class Interface:
     x: Floats
     normal: Floats
     weights: Floats
-    gap: Floats
+    measured: Floats
     shape: Floats
     given: GivenGap
     sides: tuple[Side, Side]
     unmatched: tuple[float, float] = (0.0, 0.0)
 
+    @cached_property
+    def gap(self) -> Floats:
+        """d at the points, (n,)."""
+        return self.measured + self.shape
+
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
-        shape = self.given.at(contact.gap)
-        return replace(self, contact=contact.frozen(), gap=self.gap - self.shape + shape, shape=shape)
+        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap))
+
+
+def without_rounding(distance: Floats, size: float) -> Floats:
+    """Distances between surfaces whose coordinates are up to `size`, those that are rounding alone made zero.
+
+    Else bodies that touch would do so or not by the last bit of their coordinates.
+    """
+    return np.where(np.abs(distance) <= 1e-13 * size, 0.0, distance)
 
 
 def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
@@ -210,6 +222,7 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
         return _on_segments(contact, bodies, first, second, reach)
     x, normal = first.average @ first.points.x, first.average @ first.points.normal
     distance = np.sum(((second.average @ second.points.x)[partner] - x) * normal, axis=1)
+    measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
     given = GivenGap(first.points.x, first.average)
     shape = given.at(contact.gap)
     swap = sp.csr_matrix((np.ones(len(partner)), (np.arange(len(partner)), partner)))
@@ -217,8 +230,7 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
         Side(bodies[0], first, (first.average @ first.trace).tocsr(), first.spread),
         Side(bodies[1], second, (swap @ second.average @ second.trace).tocsr(), (second.spread @ swap.T).tocsr()),
     )
-    gap = shape + contact.measure_gap * distance
-    return Interface(contact.frozen(), x, normal, first.value_weights, gap, shape, given, sides)
+    return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides)
 
 
 def _on_segments(
@@ -255,7 +267,7 @@ def _on_segments(
         values @ partners.points[0].x,
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
         weights,
-        shape + contact.measure_gap * (values @ partners.gap),
+        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.points[0].x).max())),
         shape,
         given,
         (sides[0], sides[1]),

@@ -98,7 +98,7 @@ class Run:
             tractions = self.scene.tractions(self.state.gaps)
             residuals = self._residuals(tractions)
             scale = self._scale(residuals, tractions)
-            residual = norm(residuals) / scale if scale > 0.0 else 0.0
+            residual = self.scene.ranks.agree(norm(residuals) / scale if scale > 0.0 else 0.0)
             if rule.criterion == "residual" and residual <= rule.tolerance:
                 return Ending("converged", f"residual {residual:.2e} after {k - 1} iterations")
             try:
@@ -143,7 +143,7 @@ class Run:
         else:
             steps, note = self._accelerated(corrections, residuals, length, energy)
         contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
-        self.state = self._moved(steps)
+        self.state = self._moved(self.scene.ranks.agree(steps))
         return Record(
             iteration=k,
             gamma=length,
@@ -287,11 +287,11 @@ def norm(vectors: Sequence[Floats]) -> float:
 def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple[Step, str]:
     """The kind of linear problem that the scheme asks for, and why it was chosen where the scheme leaves it open."""
     if scheme.step == "apart":
-        return Apart(problems), ""
+        return Apart(problems, scene.ranks), ""
     unknowns = sum(problem.size for problem in problems)
     small = unknowns <= LARGEST_DIRECT and not any(isinstance(p, MultigridSubproblem) for p in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {unknowns} unknowns factored" if scheme.step == "auto" else ""
         return Direct(problems, scene.interfaces), note
     note = f"auto: Newton with Krylov steps, {unknowns} unknowns" if scheme.step == "auto" else ""
-    return Krylov(problems, scene.interfaces), note
+    return Krylov(problems, scene.interfaces, scene.ranks), note

@@ -7,16 +7,18 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .body import Body
 from .contact import Contact
 from .errors import one_of
 from .interface import Interface, discretise
-from .memory import cheapest_solver, refuse_if_too_large
+from .memory import body_unknowns, cheapest_solver, refuse_if_too_large
 from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
-from .subproblem import CondensedSubproblem, Subproblem
+from .ranks import Ranks
+from .subproblem import CondensedSubproblem, RemoteSubproblem, Subproblem
 
 Floats = NDArray[np.float64]
 
@@ -24,12 +26,17 @@ LOCAL_SOLVERS = ("auto", "condensed", "assembled", "multigrid")
 
 
 class Scene:
-    """Bodies and contacts. What does not change between solves is made when first needed and kept."""
+    """Bodies and contacts. What does not change between solves is made when first needed and kept.
 
-    def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact]) -> None:
+    comm: the MPI ranks that share the bodies' work, by default this one alone. All of them have to make the same scene
+    and the same solves; every rank then has the whole solution.
+    """
+
+    def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact], comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.bodies = tuple(bodies)
         self.contacts = tuple(contacts)
         self._check()
+        self.ranks = Ranks(comm, [body_unknowns(body) for body in self.bodies])
         self._subproblems: dict[tuple[str, int], Subproblem] = {}
         self._read = self._parameter_values()
 
@@ -52,7 +59,23 @@ class Scene:
         if self._parameter_values() != self._read:
             self.refresh()
         kinds = [local_solver if local_solver != "auto" else cheapest_solver(body) for body in self.bodies]
+        kinds = self.ranks.agree(kinds)
+        if not self.ranks.alone:
+            self._exchange(kinds)
         return [self._subproblem(kind, place) for place, kind in enumerate(kinds)]
+
+    def _exchange(self, kinds: Sequence[str]) -> None:
+        """Make the condensed problems, each on the rank that owns its body, and tell the others what they need."""
+        missing = [kind == "condensed" and (kind, place) not in self._subproblems for place, kind in enumerate(kinds)]
+        if not any(self.ranks.comm.allgather(any(missing))):
+            return
+        made = self.ranks.each(
+            lambda place: self._subproblem("condensed", place).shared() if kinds[place] == "condensed" else None
+        )
+        for place, shared in enumerate(made):
+            if shared is not None and not self.ranks.owns(place):
+                problem = RemoteSubproblem(self.bodies[place], place, self.interfaces, shared)
+                self._subproblems["condensed", place] = problem
 
     def _subproblem(self, kind: str, place: int) -> Subproblem:
         """One body's linear problem, made when first asked for."""
@@ -61,7 +84,7 @@ class Scene:
             if kind != "multigrid":
                 refuse_if_too_large(body)
             if kind == "condensed":
-                made: Subproblem = CondensedSubproblem(self._subproblem("assembled", place))
+                made: Subproblem = CondensedSubproblem(self._subproblem("assembled", place), self.ranks.team(place))
             else:
                 made = (Subproblem if kind == "assembled" else MultigridSubproblem)(body, place, self.interfaces)
             self._subproblems[kind, place] = made
@@ -78,6 +101,8 @@ class Scene:
             self.interfaces = [i.refreshed(c) for i, c in zip(self.interfaces, self.contacts, strict=True)]
         old, self._subproblems = self._subproblems, {}
         for (kind, place), problem in sorted(old.items(), key=lambda item: item[0][0]):  # "assembled" comes first
+            if isinstance(problem, RemoteSubproblem):
+                continue  # its owner will tell
             if isinstance(problem, CondensedSubproblem):
                 self._subproblems[kind, place] = problem.refreshed_for(self._subproblems["assembled", place])
             else:

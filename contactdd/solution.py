@@ -23,7 +23,7 @@ from .interface import Interface, discretise
 if TYPE_CHECKING:
     from .scene import Scene
     from .start import State
-    from .subproblem import Subproblem
+    from .subproblem import Fields, Subproblem
 
 Floats = NDArray[np.float64]
 STRESSES = ("xx", "yy", "zz", "yz", "xz", "xy")
@@ -92,6 +92,8 @@ class Solution:
         self._problems, self._state = problems, state
         self._interfaces = scene.interfaces  # as they are now: a parameter may change the scene's later
         self._displacements: dict[str, fem.Function] = {}
+        if not scene.ranks.alone:
+            _ = self._fields  # while all ranks are here: later some may ask and others not
 
     @property
     def converged(self) -> bool:
@@ -107,7 +109,7 @@ class Solution:
         name = self.scene.bodies[place].name
         if name not in self._displacements:
             function = fem.Function(self.scene.bodies[place].space, name="displacement")
-            function.x.array[:] = self._problems[place].displacement(self._state.unknowns[place])
+            function.x.array[:] = self._fields[place].displacement
             self._displacements[name] = function
         return self._displacements[name]
 
@@ -130,9 +132,7 @@ class Solution:
         """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it."""
         if body is None:
             return sum(self.elastic_energy(each) for each in self.scene.bodies)
-        place = self._place(body)
-        u = self._problems[place].displacement(self._state.deformations[place])
-        return float(0.5 * u @ (self._problems[place].full_stiffness @ u))
+        return self._fields[self._place(body)].elastic_energy
 
     @property
     def layer_energy(self) -> float:
@@ -168,11 +168,10 @@ class Solution:
         """
         place = self._place(body)
         problem, owner = self._problems[place], self.scene.bodies[place]
-        loads, u = problem.full_load, self.displacement(body).x.array
-        contact = self._contact_load(place)
-        supports = self._elastic_forces(place) - loads - contact
+        loads, contact, fields = problem.full_load, self._contact_load(place), self._fields[place]
+        supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
-        supports = supports - problem.basis @ (problem.basis.T @ supports) - problem.full_springs @ u
+        supports = supports - problem.basis @ (problem.basis.T @ supports) - fields.spring_forces
         parts = {"loads": loads, "contact": contact, "supports": supports}
         return {name: owner.kinematics.resultant(v.reshape(-1, owner.mesh.dim)) for name, v in parts.items()}
 
@@ -191,7 +190,7 @@ class Solution:
         """‖F₁'(u)‖ over all free displacements relative to the loads and contact forces, found from the fields anew."""
         total = scale = 0.0
         for place, problem in enumerate(self._problems):
-            contact, elastic = self._contact_load(place), self._elastic_forces(place)
+            contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
             total += float(np.sum((problem.basis.T @ (problem.full_load + contact - elastic)) ** 2))
             scale += float(problem.full_load @ problem.full_load + contact @ contact)
         return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
@@ -237,10 +236,13 @@ class Solution:
         head = "<tr><th>contact</th><th>peak pressure</th><th>force</th><th>area in contact</th></tr>"
         return f"<p><b>{self.status}</b>: {self.reason} ({self.method})</p><table>{head}{rows}</table>"
 
-    def _elastic_forces(self, place: int) -> Floats:
-        """a(u, ·) for every degree of freedom; of the deformation only, see `State`."""
-        problem = self._problems[place]
-        return problem.full_stiffness @ problem.displacement(self._state.deformations[place])
+    @cached_property
+    def _fields(self) -> list[Fields]:
+        """The bodies' solutions; the insides are recovered when first asked for."""
+        state = self._state
+        return self.scene.ranks.each(
+            lambda place: self._problems[place].fields(state.unknowns[place], state.deformations[place])
+        )
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""

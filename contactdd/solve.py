@@ -54,8 +54,8 @@ def solve(
         of the energy F₁; by default 0.6 for the decomposed methods and "search" for the others.
     tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
-    start: u_n at all contact points (length), or a `Solution` to go on from. By default the decomposed methods start
-        from closed contacts, the others from no displacement.
+    start: u_n at all contact points (length), or a `Solution` to go on from. By default the decomposed methods, and all
+        with a given gamma, start from closed contacts, the others from no displacement.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
     local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
         "multigrid" (nothing is factored, for large solids), or "auto".
@@ -78,7 +78,7 @@ def solve(
         state, history, memory = read(checkpoint, scene, problems, scheme.name)
         run = Run(scene, scheme, problems, state, history, memory)
     else:
-        run = Run(scene, scheme, problems, _start(scene, problems, scheme, start, previous))
+        run = Run(scene, scheme, problems, _start(scene, problems, scheme, gamma, start, previous))
     keeper = Keeper(checkpoint, positive("checkpoint_every", checkpoint_every), run)
     with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
         deadline = math.inf if time_limit is None else time.monotonic() + positive("time_limit", time_limit)
@@ -124,6 +124,7 @@ def _start(
     scene: Scene,
     problems: Sequence[Subproblem],
     scheme: Scheme,
+    gamma: Gamma | None,
     start: float | Solution | None,
     previous: float | None,
 ) -> starts.State:
@@ -132,9 +133,6 @@ def _start(
         return starts.from_solution(scene, problems, start)
     if start is not None:
         return starts.from_contacts(scene, problems, start, previous)
-    if not scheme.decomposed:
-        state = starts.undeformed(scene, problems)
-        touching = any(float(gaps.min()) < 0.0 for gaps in state.gaps)
-        if touching or not any(problem.rigid.modes.shape[1] for problem in problems):
-            return state
-    return starts.closed(scene, problems)
+    # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
+    guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
+    return starts.undeformed(scene, problems) if guarded else starts.closed(scene, problems)

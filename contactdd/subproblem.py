@@ -17,12 +17,13 @@ import scipy.linalg
 import scipy.sparse as sp
 import ufl
 from dolfinx import fem
+from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from . import compat
 from .body import Body
-from .factor import Factor
+from .factor import Factor, SpreadFactor
 from .interface import Interface, Side
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
 from .support import affine_space
@@ -45,6 +46,20 @@ class Port:
     robin_trace: sp.csr_matrix
 
 
+@dataclass(frozen=True)
+class Fields:
+    """A body's solution in all degrees of freedom.
+
+    displacement: (dofs,); elastic_forces: (dofs,) a(u, ·), of the deformation only, see `start.State`; spring_forces:
+    (dofs,) those of elastic foundations; elastic_energy: ½ a(u, u).
+    """
+
+    displacement: Floats
+    elastic_forces: Floats
+    spring_forces: Floats
+    elastic_energy: float
+
+
 class Subproblem:
     """a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n of one body, in the unknowns y of u = Z y + u₀."""
 
@@ -52,22 +67,9 @@ class Subproblem:
         self.body = body
         self.basis, self.fixed = affine_space(body)
         u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-        self.full_stiffness = _matrix(body.elastic_form(u, v))
-        springs = body.spring_form(u, v)
-        self.full_springs = sp.csr_matrix(self.full_stiffness.shape) if springs is None else _matrix(springs)
+        self.full_stiffness, self.full_springs = _elastic_matrices(body.elastic_form(u, v), body.spring_forms(u, v))
         self.stiffness = (self.basis.T @ self.full_stiffness @ self.basis).tocsr()
-        self.ports = [
-            Port(
-                index,
-                side,
-                (side.trace @ self.basis).tocsr(),
-                side.trace @ self.fixed,
-                (side.surface.trace @ self.basis).tocsr(),
-            )
-            for index, interface in enumerate(interfaces)
-            for side in interface.sides
-            if side.body == place
-        ]
+        self.ports = ports(place, interfaces, self.basis, self.fixed)
         self.nodal_trace = (self._nodal @ self.basis).tocsr()
         self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
@@ -85,9 +87,10 @@ class Subproblem:
 
     def _set_loads(self) -> None:
         """What follows from the loads and prescribed displacements."""
-        load = self.body.load_form(ufl.TestFunction(self.body.space))
         full = self.full_stiffness
-        self.full_load = np.zeros(full.shape[0]) if load is None else fem.assemble_vector(compat.form(load)).array
+        self.full_load = np.zeros(full.shape[0])
+        for load in self.body.load_forms(ufl.TestFunction(self.body.space)):
+            self.full_load += fem.assemble_vector(compat.form(load)).array
         self.load = self.basis.T @ (self.full_load - full @ self.fixed)
         self.constant = 0.5 * self.fixed @ (full @ self.fixed) - self.full_load @ self.fixed
         self.nodal_offset = self._nodal @ self.fixed
@@ -137,6 +140,12 @@ class Subproblem:
     def displacement(self, y: Floats) -> Floats:
         """All degrees of freedom of the displacement."""
         return self.basis @ y + self.fixed
+
+    def fields(self, y: Floats, deformation: Floats) -> Fields:
+        """What the solution tells of the body."""
+        u, deformed = self.displacement(y), self.displacement(deformation)
+        elastic = self.full_stiffness @ deformed
+        return Fields(u, elastic, self.full_springs @ u, 0.5 * float(deformed @ elastic))
 
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""
@@ -191,14 +200,17 @@ class CondensedSubproblem(Subproblem):
 
     The stiffness becomes the dense Schur complement S, a step costs one dense Cholesky factorisation of S + Φ, and
     the inside is recovered when the displacement is asked for.
+
+    comm: the ranks that eliminate the inside together; all of them have made the same inner problem.
     """
 
-    def __init__(self, inner: Subproblem) -> None:
+    def __init__(self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.body, self.basis = inner.body, inner.basis
         self.full_stiffness, self.full_springs = inner.full_stiffness, inner.full_springs
         self.kept = _touched(inner)
         self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
-        self._inside = Factor(inner.stiffness, schur=self.kept)
+        alone = comm.size == 1
+        self._inside = Factor(inner.stiffness, self.kept) if alone else SpreadFactor(inner.stiffness, self.kept, comm)
         self.stiffness = self._inside.complement
         self.nodal_trace = inner.nodal_trace[:, self.kept]
         self._set_inner(inner)
@@ -246,11 +258,16 @@ class CondensedSubproblem(Subproblem):
             work = inner.rigid.modes.T @ inner.load - inner.rigid.springs.T @ inside
             self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
 
+    def shared(self) -> Shared:
+        """What other ranks need to know of the problem."""
+        motions = self.rigid.modes, self.rigid.owners[0].coefficients, self.rigid.springs
+        return self.kept, self.stiffness, self.load, self.constant, self.full_load, motions
+
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._solve_inside(y))
 
     def restrict(self, u: Floats) -> Floats:
-        return self._inner.restrict(u)[self.kept]
+        return super().restrict(u)[self.kept]
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
         rows, values = [], []
@@ -296,8 +313,53 @@ class CondensedSubproblem(Subproblem):
         return response
 
 
-def _matrix(form: ufl.Form) -> sp.csr_matrix:
-    return fem.assemble_matrix(compat.form(form)).to_scipy().tocsr()
+class RemoteSubproblem(CondensedSubproblem):
+    """A body that another rank holds, seen from its contacts: all of the condensed problem but the inside."""
+
+    def __init__(self, body: Body, place: int, interfaces: Sequence[Interface], shared: Shared) -> None:
+        self.body = body
+        self.basis, self.fixed = affine_space(body)
+        self.kept, self.stiffness, self.load, self.constant, self.full_load, motions = shared
+        self.ports = [
+            Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept])
+            for p in ports(place, interfaces, self.basis, self.fixed)
+        ]
+        nodal = self._nodal
+        self.nodal_trace, self.nodal_offset = (nodal @ self.basis).tocsr()[:, self.kept], nodal @ self.fixed
+        self.rigid = self._rigid_motions(*motions)
+        self._robin = [_robin_map(port) for port in self.ports]
+
+
+#: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
+#: energy, the load on all degrees of freedom, and the rigid motions with their coefficients and springs.
+Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
+
+
+def ports(place: int, interfaces: Sequence[Interface], basis: sp.csr_matrix, fixed: Floats) -> list[Port]:
+    """Where the interfaces meet the body at a place of the scene, in the unknowns of u = Z y + u₀."""
+    return [
+        Port(
+            index,
+            side,
+            (side.trace @ basis).tocsr(),
+            side.trace @ fixed,
+            (side.surface.trace @ basis).tocsr(),
+        )
+        for index, interface in enumerate(interfaces)
+        for side in interface.sides
+        if side.body == place
+    ]
+
+
+def _elastic_matrices(elastic: ufl.Form, springs: Sequence[ufl.Form]) -> tuple[sp.csr_matrix, sp.csr_matrix]:
+    """The matrix of a(u, v) with its springs, and that of the springs alone."""
+    elastic, springs = compat.form(elastic), [compat.form(form) for form in springs]
+    total = fem.create_matrix(elastic)
+    for form in (elastic, *springs):
+        fem.assemble_matrix(total, form)
+    total = total.to_scipy().tocsr()
+    alone = [fem.assemble_matrix(form).to_scipy() for form in springs]
+    return total, sum(alone, sp.csr_matrix(total.shape))
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:

@@ -24,7 +24,7 @@ def relative(value, exact):
 
 
 def pressed(material, *, sides=True, cells=(3, 2), dim=2, lower=None, shape=None, **options):
-    """Two blocks of 3 × 2 (× 1) pressed together from below and above; `sides`: lateral faces keep their planes."""
+    """Two blocks of 3 × 2 (× 1) pressed together from below and above; `sides`: their lateral faces stay plane."""
     shape = {} if shape is None else {"shape": shape}
     if dim == 2:
         meshes = [cd.rectangle((0, y), (3, y + 2), cells, **shape) for y in (0, 2)]
