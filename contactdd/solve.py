@@ -55,8 +55,8 @@ def solve(
     tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
     start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution` to
-        go on from. By default from no displacement where that already presses and gamma is searched, else from contacts
-        closed by the mean load.
+        go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by the mean
+        load, the others from no displacement.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
     local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
         "multigrid" (nothing is factored, for large solids), or "auto".
@@ -135,9 +135,5 @@ def _start(
     if start is not None:
         return starts.from_contacts(scene, problems, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
-    if not scheme.decomposed and (gamma is None or isinstance(gamma, str)):
-        state = starts.undeformed(scene, problems)
-        pressing = any(float(gaps.min()) < 0.0 for gaps in state.gaps)
-        if pressing or not any(problem.rigid.modes.shape[1] for problem in problems):
-            return state
-    return starts.closed(scene, problems)
+    guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
+    return starts.undeformed(scene, problems) if guarded else starts.closed(scene, problems)

@@ -2,6 +2,10 @@
 
 Partners x, x' lie on one line along their common normal n = (n_α − n_β)/|n_α − n_β|, and both bodies are seen along it
 with the same weights: action equals reaction, in force and in moment, and nothing tells the two surfaces apart.
+
+The law holds at every point of every segment, so a layer much stiffer than the facets (its stiffness times their size
+over E above about 10) asks for more than linear elements can give: the pressure then wavers from point to point around
+the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer than degree 1 with the same error.
 """
 
 from __future__ import annotations

@@ -16,9 +16,8 @@ import contactdd as cd
 # N, mm, MPa
 RADIUS, LOAD = 50.0, 35e3
 STEEL, ALUMINIUM = cd.Isotropic(E=210e3, nu=0.3), cd.Isotropic(E=70e3, nu=0.3)
-STIFFNESS = (
-    5e6  # of the layer: at the peak pressure it yields 7e-4 mm, a five hundredth of the gap at the edge of contact
-)
+# Of the layer: at the peak pressure it yields 7e-4 mm, a five hundredth of the gap at the edge of contact.
+STIFFNESS = 5e6
 MESH = Path(__file__).parents[1] / "meshes" / "cylinder_on_block.geo"
 
 
