@@ -55,8 +55,8 @@ def solve(
     tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
     start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution` to
-        go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by the mean
-        load, the others from no displacement.
+        go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by the
+        mean load, the others from no displacement.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
     local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
         "multigrid" (nothing is factored, for large solids), or "auto".
