@@ -19,7 +19,7 @@ from .load import Load
 from .material import Material
 from .mesh import Mesh
 from .support import Spring, Support
-from .trace import facet_entities, facet_points
+from .trace import facet_points
 
 Floats = NDArray[np.float64]
 
@@ -111,8 +111,7 @@ class Body:
     @cached_property
     def _boundary(self) -> list[tuple[int, NDArray[np.int32]]]:
         """The (cell, local facet) pairs of every named surface; one object, which all integrals of a form share."""
-        domain = self.mesh.domain
-        return [(i, facet_entities(domain, facets).ravel()) for i, facets in enumerate(self.mesh.surfaces.values())]
+        return [(place, self.mesh.entities(name).ravel()) for place, name in enumerate(self.mesh.surfaces)]
 
     def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
         """∫ integrand dx over the body, the full ring in a body of revolution."""
@@ -127,7 +126,7 @@ class Body:
 
     def area(self, surface: str) -> float:
         """∫ 1 ds over a named surface, by the rule of `area_metadata`."""
-        entities = facet_entities(self.mesh.domain, self.mesh.facets(surface))
+        entities = self.mesh.entities(surface)
         if len(entities) == 0:
             raise ValueError(f"surface = {surface!r} of body {self.name!r}: it has no facets")
         cell = compat.coordinate_map(self.mesh.domain).cell_type
@@ -150,8 +149,20 @@ class Body:
 
     def elastic_form(self, u: Any, v: Any) -> ufl.Form:
         """∫ σ(u) : ε(v) dx, which with the springs is a(u, v)."""
-        metadata = {"quadrature_degree": self._material_degree} if self.material.varies else None
-        return self.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), metadata)
+        return self.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), self.elastic_metadata)
+
+    @property
+    def elastic_metadata(self) -> dict[str, Any] | None:
+        """The quadrature of a(u, v); None leaves it to UFL, which finds what is exact on simplices.
+
+        On quadrilaterals and hexahedra p + 1 points along each axis are exact where these are parallelograms, and keep
+        the elements' accuracy elsewhere; UFL would take many more.
+        """
+        if self.material.varies:
+            return {"quadrature_degree": self._material_degree}
+        tensor = self.mesh.domain.topology.cell_name() in ("quadrilateral", "hexahedron")
+        straight = compat.coordinate_map(self.mesh.domain).degree == 1
+        return {"quadrature_degree": 2 * self.degree} if tensor and straight and not self.kinematics.ring else None
 
     def spring_forms(self, u: Any, v: Any) -> list[ufl.Form]:
         """∫ k u·v ds of every spring. Forms are kept apart so that no combination of them is compiled anew."""

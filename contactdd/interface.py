@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import basix
 import numpy as np
@@ -17,7 +18,7 @@ from .contact import Contact, Gap
 from .errors import MeshMismatchError
 from .field import evaluate
 from .quadrature import Rule, rule
-from .trace import FacetPoints, facet_corners, facet_entities, facet_points, facet_type, normal_trace
+from .trace import FacetPoints, facet_corners, facet_points, facet_type, normal_trace
 from .transfer import Partners, by_segments, matching
 
 Floats = NDArray[np.float64]
@@ -34,7 +35,7 @@ class ContactSurface:
     def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
         self.body, self.surface, self.rule = body, surface, quadrature
         self.facets = body.mesh.facets(surface)
-        self.entities = entities = facet_entities(body.mesh.domain, self.facets)
+        self.entities = entities = body.mesh.entities(surface)
         points, weights = quadrature.points(facet_type(body.mesh.domain))
         self.per_facet = len(points)
         self.points = facet_points(
@@ -44,24 +45,28 @@ class ContactSurface:
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
 
-    @cached_property
-    def spread(self) -> sp.csr_matrix:
-        """From the values to the integration points: the identity or, one value per facet, its repetition."""
+    def spread(self, order: NDArray[np.intp] | None = None) -> sp.csr_matrix:
+        """To the integration points from the values, or from values whose `order` tells where each of these stands."""
         points, per_value = len(self.weights), self.per_facet if self.rule.name == "facet" else 1
-        rows = np.arange(points)
-        return sp.csr_matrix((np.ones(points), (rows, rows // per_value)), shape=(points, points // per_value))
+        values = np.arange(points) // per_value
+        columns = values if order is None else order[values]
+        return sp.csr_matrix((np.ones(points), columns, np.arange(points + 1)), shape=(points, points // per_value))
 
     @cached_property
     def value_weights(self) -> Floats:
         """The area that belongs to each value."""
-        return self.spread.T @ self.weights
+        return self.facet_areas if self.rule.name == "facet" else self.weights
 
     @cached_property
-    def average(self) -> sp.csr_matrix:
-        """From the integration points to the values: the mean over what belongs to each."""
+    def average(self) -> sp.csr_matrix | None:
+        """From the integration points to the values: the mean over what belongs to each; None where they are one."""
         if self.rule.name != "facet":
-            return self.spread
-        return sp.diags(1.0 / self.value_weights) @ self.spread.T @ sp.diags(self.weights)
+            return None
+        return sp.diags(1.0 / self.value_weights) @ self.spread().T @ sp.diags(self.weights)
+
+    def mean(self, rows: Any) -> Any:
+        """The rows (integration points, n) of an array or a sparse matrix, averaged to the values."""
+        return rows if self.average is None else self.average @ rows
 
     @cached_property
     def facet_of_value(self) -> NDArray[np.intp]:
@@ -96,7 +101,7 @@ class ContactSurface:
         nodes = basix.create_element(
             basix.ElementFamily.P, facet_type(domain), self.body.degree, basix.LagrangeVariant.equispaced
         ).points
-        entities = np.repeat(facet_entities(domain, self.facets), len(nodes), axis=0)
+        entities = np.repeat(self.entities, len(nodes), axis=0)
         points = facet_points(domain, entities, np.tile(nodes, (len(self.facets), 1)))
         size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
         _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)
@@ -165,13 +170,15 @@ class Side:
 
 @dataclass(frozen=True)
 class GivenGap:
-    """Where a given gap is evaluated, points (m, dim), and how the values at an interface follow, mean (n, m)."""
+    """Where a given gap is evaluated, points (m, dim), and how the values at an interface follow, mean (n, m), None if
+    they are the same."""
 
     points: Floats
-    mean: sp.csr_matrix
+    mean: sp.csr_matrix | None
 
     def at(self, gap: Gap) -> Floats:
-        return self.mean @ evaluate("gap", gap, self.points.T)
+        values = evaluate("gap", gap, self.points.T)
+        return values if self.mean is None else self.mean @ values
 
 
 @dataclass(frozen=True)
@@ -220,15 +227,14 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
     partner = matching(first, second, reach)
     if partner is None:
         return _on_segments(contact, bodies, first, second, reach)
-    x, normal = first.average @ first.points.x, first.average @ first.points.normal
-    distance = np.sum(((second.average @ second.points.x)[partner] - x) * normal, axis=1)
+    x, normal = first.mean(first.points.x), first.mean(first.points.normal)
+    distance = np.sum((second.mean(second.points.x)[partner] - x) * normal, axis=1)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
     given = GivenGap(first.points.x, first.average)
     shape = given.at(contact.gap)
-    swap = sp.csr_matrix((np.ones(len(partner)), (np.arange(len(partner)), partner)))
     sides = (
-        Side(bodies[0], first, (first.average @ first.trace).tocsr(), first.spread),
-        Side(bodies[1], second, (swap @ second.average @ second.trace).tocsr(), (second.spread @ swap.T).tocsr()),
+        Side(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
+        Side(bodies[1], second, second.mean(second.trace).tocsr()[partner], second.spread(np.argsort(partner))),
     )
     return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides)
 

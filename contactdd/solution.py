@@ -121,7 +121,8 @@ class Solution:
             interface = self._resampled(index, degree)
             gaps = interface.gap.copy()
             for side in interface.sides:
-                gaps -= side.trace @ self.displacement(self.scene.bodies[side.body]).x.array
+                seen = self._problems[side.body].seen(self._state.unknowns[side.body], side.trace)
+                gaps -= side.trace @ self._fields[side.body].displacement if seen is None else seen
         stress = interface.contact.layer.contact_stress(gaps)
         compression = np.minimum(gaps, 0.0)
         return ContactResult(

@@ -15,18 +15,16 @@ from functools import cached_property
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-import ufl
-from dolfinx import fem
 from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from . import compat
 from .body import Body
 from .factor import Factor, SpreadFactor
+from .forms import load_vector, spring_matrix, stiffness_matrix
 from .interface import Interface, Side
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
-from .support import affine_space
+from .support import affine_space, columns, within
 
 Floats = NDArray[np.float64]
 
@@ -66,11 +64,11 @@ class Subproblem:
     def __init__(self, body: Body, place: int, interfaces: Sequence[Interface]) -> None:
         self.body = body
         self.basis, self.fixed = affine_space(body)
-        u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-        self.full_stiffness, self.full_springs = _elastic_matrices(body.elastic_form(u, v), body.spring_forms(u, v))
-        self.stiffness = (self.basis.T @ self.full_stiffness @ self.basis).tocsr()
+        self.full_springs = spring_matrix(body)
+        elastic = stiffness_matrix(body)
+        self.full_stiffness = (elastic + self.full_springs).tocsr() if self.full_springs.nnz else elastic
+        self.stiffness = within(self.basis, self.full_stiffness)
         self.ports = ports(place, interfaces, self.basis, self.fixed)
-        self.nodal_trace = (self._nodal @ self.basis).tocsr()
         self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
         motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
@@ -87,15 +85,22 @@ class Subproblem:
 
     def _set_loads(self) -> None:
         """What follows from the loads and prescribed displacements."""
-        full = self.full_stiffness
-        self.full_load = np.zeros(full.shape[0])
-        for load in self.body.load_forms(ufl.TestFunction(self.body.space)):
-            self.full_load += fem.assemble_vector(compat.form(load)).array
-        self.load = self.basis.T @ (self.full_load - full @ self.fixed)
-        self.constant = 0.5 * self.fixed @ (full @ self.fixed) - self.full_load @ self.fixed
-        self.nodal_offset = self._nodal @ self.fixed
+        self.full_load = load_vector(self.body)
+        prescribed = self.full_stiffness @ self.fixed if np.any(self.fixed) else np.zeros_like(self.fixed)
+        self.load = self.basis.T @ (self.full_load - prescribed)
+        self.constant = float(0.5 * self.fixed @ prescribed - self.full_load @ self.fixed)
+
+    @cached_property
+    def nodal_trace(self) -> sp.csr_matrix:
+        """u_n at the nodes of all contact surfaces from the unknowns, but for `nodal_offset`."""
+        return columns(self._nodal, self.basis)
 
     @property
+    def nodal_offset(self) -> Floats:
+        """u_n at the nodes of all contact surfaces of the prescribed displacements."""
+        return self._nodal @ self.fixed
+
+    @cached_property
     def _nodal(self) -> sp.csr_matrix:
         """u_n at the nodes of all contact surfaces, from all degrees of freedom."""
         return sp.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
@@ -141,6 +146,10 @@ class Subproblem:
         """All degrees of freedom of the displacement."""
         return self.basis @ y + self.fixed
 
+    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats | None:
+        """operator @ displacement(y) where the unknowns alone tell it, else None; operator: on all dofs."""
+        return operator @ (self.basis @ y + self.fixed)
+
     def fields(self, y: Floats, deformation: Floats) -> Fields:
         """What the solution tells of the body."""
         u, deformed = self.displacement(y), self.displacement(deformation)
@@ -177,8 +186,8 @@ class Subproblem:
         values = self.stiffness.data.copy()
         for port in self.ports:
             surface = port.side.surface
-            term = surface.robin.matrix(surface.average @ (port.side.transfer @ phi[port.interface]))
-            term = (self.basis.T @ term @ self.basis).tocsr()
+            term = surface.robin.matrix(surface.mean(port.side.transfer @ phi[port.interface]))
+            term = within(self.basis, term)
             values[_places(self.stiffness, term)] += term.data
         return values
 
@@ -212,11 +221,9 @@ class CondensedSubproblem(Subproblem):
         alone = comm.size == 1
         self._inside = Factor(inner.stiffness, self.kept) if alone else SpreadFactor(inner.stiffness, self.kept, comm)
         self.stiffness = self._inside.complement
-        self.nodal_trace = inner.nodal_trace[:, self.kept]
         self._set_inner(inner)
         self._keep_springs()
         self._set_loads()
-        self._robin = [_robin_map(port) for port in self.ports]
 
     def refreshed_for(self, inner: Subproblem) -> CondensedSubproblem:
         """The same condensed problem for `inner` with other loads and prescribed displacements."""
@@ -227,7 +234,7 @@ class CondensedSubproblem(Subproblem):
 
     def _set_inner(self, inner: Subproblem) -> None:
         self._inner = inner
-        self.fixed, self.full_load, self.nodal_offset = inner.fixed, inner.full_load, inner.nodal_offset
+        self.fixed, self.full_load = inner.fixed, inner.full_load
         self.ports = [
             Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept]) for p in inner.ports
         ]
@@ -251,8 +258,9 @@ class CondensedSubproblem(Subproblem):
         """The loads on the kept unknowns, their work on rigid motions to the last digit what it was on all of them."""
         inner = self._inner
         inside = self._inside_response(inner.load)
-        self.load = (inner.load - inner.stiffness @ inside)[self.kept]
-        self.constant = inner.constant + float(0.5 * inside @ (inner.stiffness @ inside) - inner.load @ inside)
+        answer = inner.stiffness @ inside
+        self.load = (inner.load - answer)[self.kept]
+        self.constant = inner.constant + float(0.5 * inside @ answer - inner.load @ inside)
         modes = inner.rigid.modes[self.kept]
         if modes.shape[1] > 0:
             work = inner.rigid.modes.T @ inner.load - inner.rigid.springs.T @ inside
@@ -265,6 +273,17 @@ class CondensedSubproblem(Subproblem):
 
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._solve_inside(y))
+
+    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats | None:
+        known, unknown = np.zeros(self.basis.shape[1]), np.ones(self.basis.shape[1])
+        known[self.kept], unknown[self.kept] = y, 0.0
+        if np.any((np.abs(self.basis) @ unknown)[operator.indices]):
+            return None
+        return super().seen(known, operator)
+
+    @cached_property
+    def nodal_trace(self) -> sp.csr_matrix:
+        return columns(self._nodal, self.basis)[:, self.kept]
 
     def restrict(self, u: Floats) -> Floats:
         return super().restrict(u)[self.kept]
@@ -281,6 +300,12 @@ class CondensedSubproblem(Subproblem):
         ground = pivots(self.rigid.modes @ self.rigid.free(phi))
         matrix[ground, ground] += self.rigid.largest
         return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
+
+    @cached_property
+    def _robin(self) -> list[tuple[NDArray[np.intp], sp.csr_matrix]]:
+        """Where the Robin terms stand in the matrix, and the operators from φ to their entries."""
+        maps = [product_map(port.robin_trace, port.side.surface.weights) for port in self.ports]
+        return [(places, (m @ port.side.transfer).tocsr()) for port, (places, m) in zip(self.ports, maps, strict=True)]
 
     def _system(self, phi: Mapping[int, Floats]) -> Floats:
         """S + Φ."""
@@ -324,10 +349,7 @@ class RemoteSubproblem(CondensedSubproblem):
             Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept])
             for p in ports(place, interfaces, self.basis, self.fixed)
         ]
-        nodal = self._nodal
-        self.nodal_trace, self.nodal_offset = (nodal @ self.basis).tocsr()[:, self.kept], nodal @ self.fixed
         self.rigid = self._rigid_motions(*motions)
-        self._robin = [_robin_map(port) for port in self.ports]
 
 
 #: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
@@ -341,25 +363,14 @@ def ports(place: int, interfaces: Sequence[Interface], basis: sp.csr_matrix, fix
         Port(
             index,
             side,
-            (side.trace @ basis).tocsr(),
+            columns(side.trace, basis),
             side.trace @ fixed,
-            (side.surface.trace @ basis).tocsr(),
+            columns(side.surface.trace, basis),
         )
         for index, interface in enumerate(interfaces)
         for side in interface.sides
         if side.body == place
     ]
-
-
-def _elastic_matrices(elastic: ufl.Form, springs: Sequence[ufl.Form]) -> tuple[sp.csr_matrix, sp.csr_matrix]:
-    """The matrix of a(u, v) with its springs, and that of the springs alone."""
-    elastic, springs = compat.form(elastic), [compat.form(form) for form in springs]
-    total = fem.create_matrix(elastic)
-    for form in (elastic, *springs):
-        fem.assemble_matrix(total, form)
-    total = total.to_scipy().tocsr()
-    alone = [fem.assemble_matrix(form).to_scipy() for form in springs]
-    return total, sum(alone, sp.csr_matrix(total.shape))
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
@@ -383,18 +394,19 @@ def _hold(modes: Floats) -> bool:
     return len(singular) == modes.shape[1] and singular[-1] > 1e-8 * singular[0]
 
 
-def _robin_map(port: Port) -> tuple[NDArray[np.intp], sp.csr_matrix]:
-    """Where in the flattened matrix the Robin term stands, and the operator from φ to its entries there."""
-    trace = port.robin_trace.tocsr()
+def product_map(trace: sp.csr_matrix, weights: Floats) -> tuple[NDArray[np.intp], sp.csr_matrix]:
+    """Where the entries of traceᵀ diag(weights φ) trace stand in the flattened matrix, and the operator from φ to them.
+
+    For values that change in every step at places that never do.
+    """
     counts = np.diff(trace.indptr)
     point = np.repeat(np.arange(len(counts)), counts**2)
     start = np.repeat(trace.indptr[:-1], counts**2)
     local = np.arange(len(point)) - np.repeat(np.cumsum(counts**2) - counts**2, counts**2)
     i, j = start + local // counts[point], start + local % counts[point]
     places, entry = np.unique(trace.indices[i] * np.int64(trace.shape[1]) + trace.indices[j], return_inverse=True)
-    values = trace.data[i] * trace.data[j] * port.side.surface.weights[point]
-    weights = sp.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
-    return places, (weights @ port.side.transfer).tocsr()
+    values = trace.data[i] * trace.data[j] * weights[point]
+    return places, sp.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
 
 
 def _places(matrix: sp.csr_matrix, term: sp.csr_matrix) -> NDArray[np.intp]:

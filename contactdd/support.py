@@ -16,7 +16,7 @@ from .errors import one_of, positive
 from .field import Field, coefficient, evaluate
 from .material import Number
 from .parameter import fixed_number
-from .trace import facet_entities, facet_points
+from .trace import facet_points
 
 if TYPE_CHECKING:
     from .body import Body
@@ -156,6 +156,28 @@ def affine_space(body: Body) -> tuple[sp.csr_matrix, Floats]:
     return _assemble(fixed, blocks), offset.ravel()
 
 
+def columns(matrix: sp.csr_matrix, basis: sp.csr_matrix) -> sp.csr_matrix:
+    """matrix @ Z."""
+    free = _selection(basis)
+    return (matrix @ basis).tocsr() if free is None else matrix[:, free]
+
+
+def within(basis: sp.csr_matrix, matrix: sp.csr_matrix) -> sp.csr_matrix:
+    """Zᵀ @ matrix @ Z."""
+    free = _selection(basis)
+    return (basis.T @ matrix @ basis).tocsr() if free is None else matrix[free][:, free]
+
+
+def _selection(basis: sp.csr_matrix) -> NDArray[np.intp] | None:
+    """The free degrees of freedom, where Z only selects them in order."""
+    rows = np.flatnonzero(np.diff(basis.indptr))
+    size = basis.shape[1]
+    selects = (
+        len(rows) == basis.nnz == size and np.array_equal(basis.indices, np.arange(size)) and np.all(basis.data == 1)
+    )
+    return rows if selects else None
+
+
 def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list[tuple[Floats, float]]) -> Floats:
     """The free directions of a node with tilted conditions (dim, free); writes the node's offset in place."""
     axes = np.eye(len(fixed))[fixed]
@@ -206,7 +228,7 @@ def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> sp.csr_mat
 
 def _plane_normal(body: Body, surface: str) -> Floats:
     """The outward normal of a flat surface; a curved one is refused."""
-    entities = facet_entities(body.mesh.domain, body.mesh.facets(surface))
+    entities = body.mesh.entities(surface)
     middle = np.full((len(entities), body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
     normals = facet_points(body.mesh.domain, entities, middle).normal
     mean = normals.mean(axis=0)
