@@ -37,7 +37,10 @@ class CoupledSystem:
         self._dense = condensed and self._ends[-1] <= LARGEST_DENSE
         if factored:
             blocks = [problem.stiffness for problem in problems]
-            self._stiffness = scipy.linalg.block_diag(*blocks) if self._dense else sp.block_diag(blocks, format="csr")
+            if self._dense:
+                self._stiffness = scipy.linalg.block_diag(*blocks)
+            else:
+                self._stiffness = sp.block_diag([sp.csr_matrix(block) for block in blocks], format="csr")
         self._sums = [self._sum_of_traces(index) for index in range(len(interfaces))]
         self.rigid = joint_motions(problems, interfaces)
 

@@ -20,20 +20,21 @@ from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
 
+#: Loads that are in balance cancel to rounding; this part of them leaves room for that and for no real load.
+BALANCED = 1e-9
 
-def escape(problems: Sequence[Subproblem], interfaces: Sequence[Interface], scale: float) -> LooseBodyError | None:
-    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion.
 
-    scale: the size of the forces at work.
-    """
+def escape(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> LooseBodyError | None:
+    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion."""
     motions = joint_motions(problems, interfaces)
     count = motions.modes.shape[1]
     if count == 0:
         return None
     # Motions that springs resist are no way out.
     free = scipy.linalg.null_space(motions.elastic, rcond=1e-12) if np.any(motions.elastic) else np.eye(count)
-    work = free.T @ motions.modes.T @ np.concatenate([problem.load for problem in problems])
-    if free.shape[1] == 0 or np.abs(work).max() <= 1e-9 * scale:
+    loads = np.concatenate([problem.load for problem in problems])
+    work = free.T @ motions.modes.T @ loads
+    if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * np.linalg.norm(loads):
         return None
     closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
     # Mostly some pressures balance the loads, which is cheaper to see.

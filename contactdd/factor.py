@@ -27,6 +27,9 @@ class Factor:
         self._matrix = PETSc.Mat().createAIJWithArrays(matrix.shape, self._csr, comm=PETSc.COMM_SELF)
         self._matrix.setOption(PETSc.Mat.Option.SPD, True)
         self._size = 0 if schur is None else len(schur)
+        self._nothing_to_do = self._size == matrix.shape[0]  # MUMPS refuses to eliminate nothing
+        if self._nothing_to_do:
+            return
         self._pc = PETSc.PC().create(PETSc.COMM_SELF)
         self._pc.setOperators(self._matrix)
         self._pc.setType("cholesky")
@@ -34,7 +37,9 @@ class Factor:
         self._pc.setFactorSetUpSolverType()
         if schur is not None:
             self._set_schur(schur)
-        self._pc.setUp()
+            # MUMPS' estimate of its workspace is too small where few unknowns are eliminated; it is a percentage.
+            self._pc.getFactorMatrix().setMumpsIcntl(14, 1000 if matrix.shape[0] < 1000 else 50)
+        self._set_up()
         if schur is not None:
             self._pc.getFactorMatrix().setMumpsIcntl(26, 0)  # from now on solve with the inner matrix only
         self._rhs, self._solution = self._matrix.createVecs()
@@ -44,10 +49,12 @@ class Factor:
         self._csr[2][:] = values
         self._matrix.assemble()
         self._pc.setOperators(self._matrix)
-        self._pc.setUp()
+        self._set_up()
 
     def solve(self, rhs: Floats) -> Floats:
         """The solution for one right-hand side (unknowns,); with Schur unknowns, of the inner system only."""
+        if self._nothing_to_do:
+            return np.zeros_like(rhs)
         self._rhs.array[:] = rhs
         self._pc.apply(self._rhs, self._solution)
         return self._solution.array.copy()
@@ -55,6 +62,8 @@ class Factor:
     @property
     def complement(self) -> Floats:
         """The Schur complement, dense (c, c)."""
+        if self._nothing_to_do:
+            return sp.csr_matrix(self._csr[::-1], shape=(self._size, self._size)).toarray()
         library, matrix, status = _petsc(), ctypes.c_void_p(), ctypes.c_int(-1)
         _check(library.MatFactorCreateSchurComplement(self._handle(), ctypes.byref(matrix), ctypes.byref(status)))
         pointer = ctypes.POINTER(ctypes.c_double)()
@@ -66,6 +75,13 @@ class Factor:
         lower, upper = np.tril(dense, -1), np.triu(dense, 1)
         half = lower if np.any(lower) else upper.T
         return half + half.T + np.diag(np.diag(dense))
+
+    def _set_up(self) -> None:
+        """Factor, and notice if that failed: PETSc would go on and return infinities."""
+        self._pc.setUp()
+        code = self._pc.getFactorMatrix().getMumpsInfog(1)
+        if code < 0:
+            raise np.linalg.LinAlgError(f"MUMPS could not factor the matrix: INFOG(1) = {code}")
 
     def _handle(self) -> ctypes.c_void_p:
         return ctypes.c_void_p(self._pc.getFactorMatrix().handle)

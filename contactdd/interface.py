@@ -295,6 +295,5 @@ def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floa
 def _unmatched(surface: ContactSurface, partners: Partners, place: int) -> float:
     """The area of a surface that has no partner."""
     bare = np.maximum(surface.facet_areas - partners.covered(place, len(surface.facets)), 0.0)
-    total = float(surface.facet_areas.sum())
-    area = float(bare.sum())
+    area, total = float(bare.sum()), float(surface.facet_areas.sum())
     return area if area > 1e-6 * total else 0.0  # less is what seams between curved facets leave

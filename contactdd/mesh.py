@@ -177,8 +177,13 @@ def mesh_cache() -> Path:
 
 def _meshed(gmsh: Any, script: Path, dim: int, order: int, parameters: Mapping[str, float]) -> Path:
     """The .msh file of a script, from the cache or made now."""
+    text = script.read_text()
+    if not text.endswith("\n"):
+        raise ValueError(
+            f"path = {str(script)!r}: expected a line break at the end, without which gmsh cuts the last line"
+        )
     values = {name: finite(name, value) for name, value in sorted(parameters.items())}
-    recipe = json.dumps([script.read_text(), values, dim, order, gmsh.__version__])
+    recipe = json.dumps([text, values, dim, order, gmsh.__version__])
     target = mesh_cache() / f"{script.stem}-{hashlib.sha256(recipe.encode()).hexdigest()[:16]}.msh"
     if not target.is_file():
         gmsh.open(str(script))

@@ -62,7 +62,13 @@ class ContactResult:
         return float(self.weights[self.closed].sum())
 
     def __repr__(self) -> str:
-        return f"ContactResult({len(self.x)} points, peak pressure {self.pressure.max():.6g}, force {self.force:.6g})"
+        alone = "".join(
+            f", {area:.6g} of the {which} surface without a partner"
+            for which, area in zip(("first", "second"), self.unmatched, strict=True)
+            if area > 0.0
+        )
+        peak = self.pressure.max()
+        return f"ContactResult({len(self.x)} points, peak pressure {peak:.6g}, force {self.force:.6g}{alone})"
 
 
 class Solution:

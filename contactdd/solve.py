@@ -33,8 +33,8 @@ def solve(
     tolerance: float = 1e-10,
     criterion: str = "residual",
     max_iterations: int = 5000,
-    start: float | Solution | None = None,
-    previous: float | None = None,
+    start: starts.Given | Solution | None = None,
+    previous: starts.Given | None = None,
     local_solver: str = "auto",
     callback: Callable[[Record], bool | None] | None = None,
     progress: bool | None = None,
@@ -54,8 +54,9 @@ def solve(
         of the energy F₁; by default 0.6 for the decomposed methods and "search" for the others.
     tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
-    start: u_n at all contact points (length), or a `Solution` to go on from. By default the decomposed methods, and all
-        with a given gamma, start from closed contacts, the others from no displacement.
+    start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution` to
+        go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by the
+        mean load, the others from no displacement.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
     local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
         "multigrid" (nothing is factored, for large solids), or "auto".
@@ -125,8 +126,8 @@ def _start(
     problems: Sequence[Subproblem],
     scheme: Scheme,
     gamma: Gamma | None,
-    start: float | Solution | None,
-    previous: float | None,
+    start: starts.Given | Solution | None,
+    previous: starts.Given | None,
 ) -> starts.State:
     """The first iterate."""
     if isinstance(start, Solution):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,13 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import finite
+from .field import evaluate
 from .subproblem import Subproblem
 
 if TYPE_CHECKING:
+    from .interface import Interface
     from .scene import Scene
     from .solution import Solution
 
 Floats = NDArray[np.float64]
+#: u_n at the contact points: a number or a function of the coordinates x (dim, n).
+Given = float | Callable[[Floats], Floats]
 
 
 @dataclass
@@ -39,12 +43,12 @@ def from_solution(scene: Scene, problems: Sequence[Subproblem], solution: Soluti
     return _state(scene, problems, unknowns)
 
 
-def from_contacts(scene: Scene, problems: Sequence[Subproblem], u_n: float, previous: float | None) -> State:
+def from_contacts(scene: Scene, problems: Sequence[Subproblem], u_n: Given, previous: Given | None) -> State:
     """u_n at all contact points (length) and, if given, that of the iterate before; the inside in equilibrium."""
-    given = {index: np.full(len(i.weights), finite("start", u_n)) for index, i in enumerate(scene.interfaces)}
+    given = {index: _at_points("start", u_n, interface) for index, interface in enumerate(scene.interfaces)}
     state = _state(scene, problems, [problem.start(given) for problem in problems])
     if previous is not None:
-        state.previous_gaps = [i.gap - 2.0 * finite("previous", previous) for i in scene.interfaces]
+        state.previous_gaps = [i.gap - 2.0 * _at_points("previous", previous, i) for i in scene.interfaces]
     return state
 
 
@@ -64,6 +68,11 @@ def closed(scene: Scene, problems: Sequence[Subproblem]) -> State:
         w = float(interface.contact.layer.compression(-stress))
         given[index] = np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
     return _state(scene, problems, [problem.start(given) for problem in problems])
+
+
+def _at_points(name: str, value: Given, interface: Interface) -> Floats:
+    """A number or a function of the coordinates x (dim, n) at the points of an interface."""
+    return evaluate(name, value if callable(value) else finite(name, value), interface.x.T)
 
 
 def _mean_contact_stress(scene: Scene, problem: Subproblem) -> float:

@@ -78,11 +78,18 @@ class Krylov:
         self.body_solves = 0
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
-        rhs = np.concatenate(residuals)
-        self._system.rigid.ground(phi, rhs, scale)  # only its check: free motions stay in the coarse space
+        rhs, rigid = np.concatenate(residuals), self._system.rigid
+        rigid.ground(phi, rhs, scale)  # only its check
+        # Rounding alone works on the motions that nothing resists: out of the forces with it, and out of the steps.
+        idle = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]
+        rhs = rhs - idle @ (idle.T @ rhs)
         coarse = self._coarse_space(phi)
-        image = np.column_stack([self._system.apply(phi, column) for column in coarse.T])
-        inverse = _pseudo_inverse(coarse.T @ image)
+        image = np.reshape([self._system.apply(phi, column) for column in coarse.T], (-1, len(rhs))).T
+        inverse = _pseudo_inverse(coarse.T @ image, rigid.largest)
+
+        def precondition(vector: Floats) -> Floats:
+            corrections = self._precondition(phi, vector)
+            return corrections - idle @ (idle.T @ corrections)
 
         def project(vector: Floats) -> Floats:
             return vector - coarse @ (inverse @ (image.T @ vector))
@@ -90,7 +97,7 @@ class Krylov:
         start = coarse @ (inverse @ (coarse.T @ rhs))
         solution = deflated_conjugate_gradients(
             lambda vector: self._system.apply(phi, vector),
-            lambda vector: self._precondition(phi, vector),
+            precondition,
             project,
             rhs,
             start,
@@ -123,11 +130,13 @@ def deflated_conjugate_gradients(
     start: Floats,
     reduction: float,
     most: int = 500,
+    patience: int = 25,
 ) -> Floats:
     """The solution of a positive (semi)definite system whose coarse part `start` has solved already.
 
     project: takes the coarse space out of a search direction. Ends when the preconditioned residual has fallen by
-    `reduction`; every iterate lowers the energy, so that it is a descent direction whenever it ends.
+    `reduction`, or for `patience` steps not at all, as where only rounding is left; every iterate lowers the energy, so
+    that it is a descent direction whenever it ends.
     """
     solution, residual = start.copy(), rhs - apply(start)
     direction = preconditioned = precondition(residual)
@@ -135,21 +144,30 @@ def deflated_conjugate_gradients(
     square = residual @ preconditioned
     # Rounding of the coarse solve is all that is left where the coarse space holds the solution.
     goal = max(square * reduction**2, 1e-28 * abs(rhs @ start))
-    for _ in range(most):
-        if square <= goal:
+    best, best_at, smallest = solution.copy(), 0, square
+    for step in range(most):
+        if square < smallest:
+            best, best_at, smallest = solution.copy(), step, square
+        if square <= goal or step - best_at >= patience:
             break
         image = apply(direction)
-        length = square / (direction @ image)
+        curvature = direction @ image
+        if curvature <= 0.0:  # nothing but rounding is left
+            break
+        length = square / curvature
         solution += length * direction
         residual -= length * image
         preconditioned = precondition(residual)
         square, before = residual @ preconditioned, square
         direction = project(preconditioned) + (square / before) * direction
-    return solution
+    return solution if square < smallest else best
 
 
-def _pseudo_inverse(matrix: Floats) -> Floats:
-    """The inverse of a symmetric matrix on what is not its null space: motions of all bodies that nothing resists."""
+def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:
+    """The inverse of a symmetric matrix on what is not its null space: motions of all bodies that nothing resists.
+
+    largest: the stiffness in whose rounding such motions' resistance is lost.
+    """
     values, vectors = np.linalg.eigh(matrix)
-    kept = values > 1e-13 * values.max(initial=0.0)
+    kept = values > 1e-14 * max(largest, values.max(initial=0.0))
     return (vectors[:, kept] / values[kept]) @ vectors[:, kept].T

@@ -130,6 +130,8 @@ def _map(domain: dmesh.Mesh, cells: NDArray[np.int32], reference: Floats) -> tup
     """x (n, dim) and the Jacobian (n, dim, dim) at points of the reference cell, one per cell."""
     table = compat.coordinate_map(domain).tabulate(1, reference)[:, :, :, 0]
     nodes = domain.geometry.x[compat.geometry_dofmap(domain)[cells]][:, :, : domain.topology.dim]
+    # Seen from a corner of the cell, a small cell far from the origin loses no digits of its shape.
+    corner = nodes[:, :1]
     # One product for all: the derivatives by the dim reference coordinates, and the point itself.
-    mapped = np.matmul(np.swapaxes(nodes, 1, 2), np.ascontiguousarray(np.moveaxis(table, 0, 2)))
-    return mapped[:, :, 0], mapped[:, :, 1:]
+    mapped = np.matmul(np.swapaxes(nodes - corner, 1, 2), np.ascontiguousarray(np.moveaxis(table, 0, 2)))
+    return mapped[:, :, 0] + corner[:, 0], mapped[:, :, 1:]
