@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -31,7 +33,7 @@ def test_box(shape):
 
 def test_crossed_cells_meet_in_their_middles():
     mesh = cd.rectangle((0, 0), (2, 1), (X, Y), diagonal="crossed")
-    middles = {(round((a + b) / 2, 12), round((c + d) / 2, 12)) for a, b in zip(X, X[1:]) for c, d in zip(Y, Y[1:])}
+    middles = {(round((a + b) / 2, 12), round((c + d) / 2, 12)) for a, b in pairwise(X) for c, d in pairwise(Y)}
     assert corners(mesh) == {(x, y) for x in X for y in Y} | middles
 
 
