@@ -178,7 +178,7 @@ def estimate(rows: list[dict[str, Any]]) -> dict[str, float]:
 def print_estimate(numbers: dict[str, float]) -> None:
     print(
         f"\non paper: 1e9 unknowns, {numbers['cores']:.0f} solid bodies, one per core: about {numbers['seconds']:.0f} "
-        f"s and {numbers['gigabytes_per_core']:.1f} GB per core (the solves per body grow {numbers['growth']:.1f} times)"
+        f"s and {numbers['gigabytes_per_core']:.1f} GB per core (solves per body grow {numbers['growth']:.1f} times)"
     )
 
 
