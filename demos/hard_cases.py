@@ -144,7 +144,7 @@ def judge(outcomes: list[Outcome]) -> dict[str, int]:
 
 
 def locking() -> list[dict[str, float | str]]:
-    """Nearly incompressible bodies: the error of the contact pressure by element, against the semi-analytic reference."""
+    """Nearly incompressible bodies: the error of the pressure by element, against the semi-analytic reference."""
     elements = {
         "linear triangles, one diagonal": {},
         "linear triangles, crossed": {"diagonal": "crossed"},
@@ -192,7 +192,8 @@ def main(arguments: list[str] | None = None) -> None:
     print("\nAuto: steps, solves of single bodies, residual, error, seconds")
     for o in outcomes:
         if o.method == "auto" and o.solvable:
-            print(f"{o.scene:36}{o.iterations:4}{o.body_solves:6}  {o.residual:.1e}  {o.error:.1e}  {o.cpu_seconds:.2f}")
+            numbers = f"{o.residual:.1e}  {o.error:.1e}  {o.cpu_seconds:.2f}"
+            print(f"{o.scene:36}{o.iterations:4}{o.body_solves:6}  {numbers}")
     print("\nError of the pressure as the bodies become incompressible")
     for row in locking():
         print("  " + ", ".join(f"{k}: {v:.1e}" if isinstance(v, float) else str(v) for k, v in row.items()))
