@@ -170,18 +170,22 @@ class Run:
         except LooseBodyError:
             if not survive or escape(self.problems, self.scene.interfaces) is not None:
                 raise
-        softest = self._softest_coefficient(residuals)
-        for index, interface in enumerate(self.scene.interfaces):
-            # Soft also beside the bodies: where the gap is nearly nothing, the next step goes further.
-            phi[index] = np.maximum(phi[index], np.minimum(softest, self._stiffest / interface.weights))
+        phi = self._softened(phi, residuals)
         return self.linear.correct(phi, residuals, scale), phi, "open: held by a soft Robin term"
 
-    def _softest_coefficient(self, residuals: list[Floats]) -> float:
-        """The unbalanced forces over the contacts' area and the largest gap: a body moves by about that gap."""
+    def _softened(self, phi: dict[int, Floats], residuals: list[Floats]) -> dict[int, Floats]:
+        """φ with a soft Robin term wherever it is softer.
+
+        It is the unbalanced forces over the contacts' area and the largest gap: a body moves by about that gap. It is
+        no stiffer than the bodies, for the next step goes further, but not lost in the rounding of what is stiffest.
+        """
         forces = max(float(np.abs(r).sum()) for r in residuals)
         area = sum(float(interface.weights.sum()) for interface in self.scene.interfaces)
         gap = max(float(np.abs(z).max()) for z in self.state.gaps)
-        return forces / area / (gap if gap > 1e-12 * self._size else self._size)  # coordinates are no better than that
+        soft = forces / area / (gap if gap > 1e-12 * self._size else self._size)  # coordinates are no better than that
+        soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
+        limits = [self._stiffest / interface.weights for interface in self.scene.interfaces]
+        return {index: np.maximum(values, np.minimum(soft, limits[index])) for index, values in phi.items()}
 
     def _accelerated(
         self, corrections: list[Floats], residuals: list[Floats], gamma: float, energy: float

@@ -76,8 +76,8 @@ class RigidMotions:
             return np.zeros((0, 0))
         held = self.elastic + sum(contact.matrix(phi) for contact in self.contacts)
         values, vectors = (held[0], np.ones((1, 1))) if count == 1 else np.linalg.eigh(held)
-        # Below this the Robin term is lost in the rounding of the stiffness.
-        return vectors[:, values <= 1e-14 * self.largest]
+        # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
+        return vectors[:, values <= 1e-14 * max(self.largest, float(np.abs(held).max()))]
 
     def ground(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
         """Unknowns to hold so that no motion is free, none if none is.
