@@ -7,25 +7,36 @@ The way of the data: mesh and material → body → contact → scene → solve 
 
 __version__ = "0.1.0"
 
-from . import reference
+from . import compat, reference  # compat first: it makes dolfinx importable where that takes a step
 from .body import Body
 from .contact import Contact
-from .errors import ContactError, LooseBodyError, MeshMismatchError, NoEquilibriumError, NotConvergedError
+from .errors import (
+    CheckpointError,
+    ContactError,
+    LooseBodyError,
+    MeshMismatchError,
+    NoEquilibriumError,
+    NotConvergedError,
+)
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
-from .load import BodyForce, Pressure, Traction
-from .material import Isotropic
+from .load import BodyForce, Pressure, Resultant, Traction
+from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .parameter import Parameter
+from .programme import Path, StepFailedError, programme
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import ContactResult, Solution
 from .solve import solve
-from .support import Displacement, Fixed, Symmetry
+from .support import Displacement, Fixed, Spring, Symmetry
 
 __all__ = [
     "SCHEMES",
+    "Anisotropic",
     "Body",
     "BodyForce",
+    "CheckpointError",
     "Contact",
     "ContactError",
     "ContactResult",
@@ -37,23 +48,32 @@ __all__ = [
     "Layer",
     "LinearLayer",
     "LooseBodyError",
+    "Material",
     "Mesh",
     "MeshMismatchError",
     "NoEquilibriumError",
     "NotConvergedError",
+    "Orthotropic",
+    "Parameter",
+    "Path",
     "PowerLayer",
     "Pressure",
     "Record",
+    "Resultant",
     "Scene",
     "Scheme",
     "Solution",
+    "Spring",
+    "StepFailedError",
     "Symmetry",
     "TableLayer",
     "Traction",
     "box",
+    "compat",
     "from_dolfinx",
     "from_gmsh",
     "one_point",
+    "programme",
     "read_gmsh",
     "rectangle",
     "reference",

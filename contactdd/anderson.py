@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,19 @@ class Anderson:
         """Forget the past: it no longer says where the iteration is going."""
         self._differences.clear()
         self._last = None
+
+    @property
+    def memory(self) -> list[Floats]:
+        """What it remembers, as plain arrays: the last iterate and correction, then pairs of differences."""
+        last = [] if self._last is None else list(self._last)
+        return last + [part for pair in self._differences for part in pair]
+
+    @memory.setter
+    def memory(self, arrays: Sequence[Floats]) -> None:
+        self.restart()
+        if len(arrays) >= 2:
+            self._last = (arrays[0], arrays[1])
+            self._differences.extend(zip(arrays[2::2], arrays[3::2], strict=True))
 
     def step(self, y: Floats, correction: Floats, gamma: float) -> Floats:
         """The accelerated step from y."""

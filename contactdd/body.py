@@ -2,28 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any
 
+import basix
+import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from . import compat
 from .kinematics import kinematics as find_kinematics
 from .load import Load
-from .material import Isotropic
+from .material import Material
 from .mesh import Mesh
-from .support import Support
-from .trace import facet_entities
+from .support import Spring, Support
+from .trace import facet_points
+
+Floats = NDArray[np.float64]
 
 
 class Body:
     """One elastic body Ω_α.
 
     name: unique in a scene; mesh: a `Mesh`; material: its law (2); supports, loads: what holds and pushes it;
-    degree: of the Lagrange elements; kinematics: "plane strain" (default in the plane), "plane stress" or "solid".
+    degree: of the Lagrange elements; kinematics: "plane strain" (default in the plane), "plane stress", "axisymmetric"
+    (x[0] is the radius r >= 0, x[1] the axis; no torsion; energies and forces are those of the full ring) or "solid".
     Lengths, stresses and loads are in the user's own consistent set of units.
     """
 
@@ -31,7 +37,7 @@ class Body:
         self,
         name: str,
         mesh: Mesh,
-        material: Isotropic,
+        material: Material,
         *,
         supports: Sequence[Support] = (),
         loads: Sequence[Load] = (),
@@ -42,7 +48,7 @@ class Body:
             raise TypeError(f"name = {name!r}: expected a text")
         if not isinstance(mesh, Mesh):
             raise TypeError(f"mesh = {mesh!r}: expected a contactdd mesh, such as cd.rectangle(...) makes")
-        if not hasattr(material, "stiffness"):
+        if not isinstance(material, Material):
             raise TypeError(f"material = {material!r}: expected a material, such as cd.Isotropic(E, nu)")
         if int(degree) != degree or degree < 1:
             raise ValueError(f"degree = {degree!r}: expected a whole number >= 1")
@@ -54,10 +60,11 @@ class Body:
         self.degree = int(degree)
         self.kinematics = find_kinematics(kinematics, mesh.dim)
         self._check_surfaces()
+        self._check_radii()
 
     def __repr__(self) -> str:
-        kind = self.kinematics.name
-        return f"Body({self.name!r}, {self.mesh.cells} cells, degree {self.degree}, {self.material}, {kind})"
+        elements = f"{self.mesh.cells} cells, degree {self.degree}"
+        return f"Body({self.name!r}, {elements}, {self.material}, {self.kinematics.name})"
 
     @cached_property
     def space(self) -> fem.FunctionSpace:
@@ -66,12 +73,32 @@ class Body:
 
     @cached_property
     def stiffness(self) -> Any:
-        """The stiffness between the strains that take part; a constant, so that other numbers compile nothing anew."""
-        return fem.Constant(self.mesh.domain, self.kinematics.reduce(self.material.stiffness()))
+        """The stiffness between the strains that take part, a UFL matrix."""
+        cell = compat.coordinate_map(self.mesh.domain).cell_type
+        element = basix.ufl.quadrature_element(cell, degree=self._material_degree) if self.material.varies else None
+        return self.material_coefficient(self.kinematics.reduce, element)
+
+    def material_coefficient(self, reduce: Callable[[Floats], Floats], element: Any) -> Any:
+        """The matrices `reduce(C)`, C the material's stiffness (..., 6, 6), as a UFL coefficient.
+
+        A constant material gives a constant, so that other numbers compile nothing anew; one that varies is evaluated
+        at the points of a scalar `element`.
+        """
+        domain = self.mesh.domain
+        if not self.material.varies:
+            return fem.Constant(domain, reduce(self.material.stiffness()))
+        shape = reduce(np.eye(6)).shape
+        matrices = fem.Function(fem.functionspace(domain, basix.ufl.blocked_element(element, shape=shape)))
+        matrices.interpolate(lambda x: reduce(self.material.stiffness(x)).reshape(x.shape[1], -1).T)
+        return matrices
 
     @property
-    def dx(self) -> ufl.Measure:
-        return ufl.Measure("dx", domain=self.mesh.domain)
+    def _material_degree(self) -> int:
+        """The degree of exactness at which a material that varies is integrated.
+
+        Two more than the strains of a constant material on straight cells need, one more for the radius.
+        """
+        return 2 * self.degree + 1
 
     def ds(self, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Measure:
         """The measure of a named surface."""
@@ -84,26 +111,78 @@ class Body:
     @cached_property
     def _boundary(self) -> list[tuple[int, NDArray[np.int32]]]:
         """The (cell, local facet) pairs of every named surface; one object, which all integrals of a form share."""
+        return [(place, self.mesh.entities(name).ravel()) for place, name in enumerate(self.mesh.surfaces)]
+
+    def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
+        """∫ integrand dx over the body, the full ring in a body of revolution."""
         domain = self.mesh.domain
-        return [(i, facet_entities(domain, facets).ravel()) for i, facets in enumerate(self.mesh.surfaces.values())]
+        weight = self.kinematics.weight(ufl.SpatialCoordinate(domain))
+        return weight * integrand * ufl.Measure("dx", domain=domain, metadata=metadata)
+
+    def over_surface(self, integrand: Any, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Form:
+        """∫ integrand ds over a named surface, the full ring in a body of revolution."""
+        weight = self.kinematics.weight(ufl.SpatialCoordinate(self.mesh.domain))
+        return weight * integrand * self.ds(surface, metadata)
+
+    def area(self, surface: str) -> float:
+        """∫ 1 ds over a named surface, by the rule of `area_metadata`."""
+        entities = self.mesh.entities(surface)
+        if len(entities) == 0:
+            raise ValueError(f"surface = {surface!r} of body {self.name!r}: it has no facets")
+        cell = compat.coordinate_map(self.mesh.domain).cell_type
+        facet = basix.cell.subentity_types(cell)[self.mesh.dim - 1][0]
+        points, weights = basix.make_quadrature(facet, self.area_metadata["quadrature_degree"])
+        at = facet_points(
+            self.mesh.domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1))
+        )
+        return float(np.sum(np.tile(weights, len(entities)) * at.area * self.kinematics.weight(at.x.T)))
+
+    @property
+    def area_metadata(self) -> dict[str, Any]:
+        """The quadrature that makes an even traction force / area carry the force to rounding, on curved facets too."""
+        geometry = self.mesh.domain.ufl_domain().ufl_coordinate_element().embedded_superdegree
+        return {"quadrature_degree": self.degree + 2 * geometry}
 
     def stress(self, u: Any) -> Any:
         """Hooke's law (2): the stresses of the free Voigt components, a UFL vector."""
         return self.stiffness * self.kinematics.strain(u)
 
     def elastic_form(self, u: Any, v: Any) -> ufl.Form:
-        """a(u, v) = ∫ σ(u) : ε(v) dx."""
-        return ufl.inner(self.stress(u), self.kinematics.strain(v)) * self.dx
+        """∫ σ(u) : ε(v) dx, which with the springs is a(u, v)."""
+        return self.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), self.elastic_metadata)
 
-    def load_form(self, v: Any) -> ufl.Form | None:
-        """l(v) = ∫ f·v dx + ∫ p·v ds, or None for a body without loads."""
-        forms = [load.form(self, v) for load in self.loads]
-        return sum(forms[1:], forms[0]) if forms else None
+    @property
+    def elastic_metadata(self) -> dict[str, Any] | None:
+        """The quadrature of a(u, v); None leaves it to UFL, which finds what is exact on simplices.
+
+        On quadrilaterals and hexahedra p + 1 points along each axis are exact where these are parallelograms, and keep
+        the elements' accuracy elsewhere; UFL would take many more.
+        """
+        if self.material.varies:
+            return {"quadrature_degree": self._material_degree}
+        tensor = self.mesh.domain.topology.cell_name() in ("quadrilateral", "hexahedron")
+        straight = compat.coordinate_map(self.mesh.domain).degree == 1
+        return {"quadrature_degree": 2 * self.degree} if tensor and straight and not self.kinematics.ring else None
+
+    def spring_forms(self, u: Any, v: Any) -> list[ufl.Form]:
+        """∫ k u·v ds of every spring. Forms are kept apart so that no combination of them is compiled anew."""
+        return [support.form(self, u, v) for support in self.supports if isinstance(support, Spring)]
+
+    def load_forms(self, v: Any) -> list[ufl.Form]:
+        """∫ f·v dx or ∫ p·v ds of every load; l(v) is their sum."""
+        return [load.form(self, v) for load in self.loads]
 
     def robin_form(self, u: Any, v: Any, phi: Any, surface: str, metadata: dict[str, Any]) -> ufl.Form:
         """∫ φ u_n v_n ds over a contact surface: the Robin term of (22), (32), (36)."""
         n = ufl.FacetNormal(self.mesh.domain)
-        return phi * ufl.dot(u, n) * ufl.dot(v, n) * self.ds(surface, metadata)
+        return self.over_surface(phi * ufl.dot(u, n) * ufl.dot(v, n), surface, metadata)
+
+    def _check_radii(self) -> None:
+        """Refuse a mesh of rings that crosses the axis."""
+        if self.kinematics.ring:
+            r = self.mesh.domain.geometry.x[:, 0]
+            if r.min() < -1e-10 * np.abs(r).max():  # file formats round coordinates
+                raise ValueError(f"mesh of body {self.name!r}: the radius x[0] = {r.min():g}; expected x[0] >= 0")
 
     def _check_surfaces(self) -> None:
         """Refuse an unknown surface name now, not when the forms are made."""

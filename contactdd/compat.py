@@ -17,13 +17,16 @@ import dolfinx
 import numpy as np
 from dolfinx import fem
 from dolfinx import mesh as dmesh
+from mpi4py import MPI
 from numpy.typing import NDArray
+
+from . import compiler
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 HAS_ENTITY_MAP = hasattr(dmesh, "EntityMap")  # 0.10 and later
 
 # Several ranks that compile one form wait for each other's lock file; the default of 10 s is too short for that.
-JIT_OPTIONS = {"timeout": 120}
+TIMEOUT = 120
 
 
 def facet_submesh(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> tuple[dmesh.Mesh, NDArray[np.int32], Any]:
@@ -44,7 +47,18 @@ def facet_submesh(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> tuple[dmesh.
 def form(expression: Any, *entity_maps: Any) -> fem.Form:
     """Compile a UFL form; `entity_maps` are those of `facet_submesh`."""
     maps: Any = list(entity_maps) if HAS_ENTITY_MAP else dict(entity_maps)
-    return fem.form(expression, jit_options=JIT_OPTIONS, entity_maps=maps)
+    return fem.form(expression, jit_options=_jit_options(), entity_maps=maps)
+
+
+def compiled(expression: Any) -> fem.CompiledForm:
+    """Compile a UFL form on no mesh in particular, for `fem.create_form`."""
+    return fem.compile_form(
+        MPI.COMM_SELF, expression, form_compiler_options={"scalar_type": np.float64}, jit_options=_jit_options()
+    )
+
+
+def _jit_options() -> dict[str, Any]:
+    return {"timeout": TIMEOUT, "cffi_extra_compile_args": compiler.flags()}
 
 
 def expression_points(element: Any) -> NDArray[np.float64]:

@@ -3,27 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 
 import numpy as np
 
 from .body import Body
 from .errors import one_of, positive
 from .layer import Layer
+from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
 
-Gap = float | Callable[[np.ndarray], np.ndarray]
+Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 
 
 class Contact:
     """The possible contact zone S_αβ of two bodies.
 
     first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
-    gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number or a function of the
-    coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes do not match;
-    measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for surfaces that
-    fit but whose straight facets do not; search_distance: how far apart partners may be (length), by default the smaller body's size;
-    quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree: another degree of exactness;
-    name: by default "first–second" by the bodies' names.
+    gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number, a `Parameter` or a
+    function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
+    do not match; measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for
+    surfaces that fit but whose straight facets do not; search_distance: how far apart partners may be (length), by
+    default the smaller body's size; quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree:
+    another degree of exactness; name: by default "first–second" by the bodies' names.
     """
 
     def __init__(
@@ -47,6 +49,11 @@ class Contact:
         if not isinstance(layer, Layer):
             raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
         one_of("quadrature", quadrature, RULES)
+        if quadrature == "vertex" and first[0].kinematics.ring:
+            raise ValueError(
+                "quadrature = 'vertex' between bodies of revolution: the vertices alone do not integrate 2πr v; "
+                "expected 'gauss' or 'facet'"
+            )
         self.sides = (first, second)
         self.layer = layer
         self.gap = gap
@@ -58,16 +65,15 @@ class Contact:
 
     def resampled(self, degree: int) -> Contact:
         """The same contact at Gauss points of another degree."""
-        return Contact(
-            *self.sides,
-            self.layer,
-            gap=self.gap,
-            measure_gap=self.measure_gap,
-            search_distance=self.search_distance,
-            quadrature="gauss",
-            quadrature_degree=degree,
-            name=self.name,
-        )
+        other = copy(self)
+        other.quadrature, other.quadrature_degree = "gauss", degree
+        return other
+
+    def frozen(self) -> Contact:
+        """The contact with the gap that it has now, whatever becomes of a parameter in it."""
+        other = copy(self)
+        other.gap = current(self.gap)
+        return other
 
     def __repr__(self) -> str:
         zones = " and ".join(f"{body.name}.{surface}" for body, surface in self.sides)

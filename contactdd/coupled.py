@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
 from numpy.typing import NDArray
+from scipy.linalg import lapack
 
 from .factor import Factor
 from .interface import Interface
 from .rigid import joint_motions
-from .subproblem import Subproblem
+from .subproblem import Subproblem, product_map
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +37,10 @@ class CoupledSystem:
         self._dense = condensed and self._ends[-1] <= LARGEST_DENSE
         if factored:
             blocks = [problem.stiffness for problem in problems]
-            self._stiffness = scipy.linalg.block_diag(*blocks) if self._dense else sp.block_diag(blocks, format="csr")
+            if self._dense:
+                self._stiffness = scipy.linalg.block_diag(*blocks)
+            else:
+                self._stiffness = sp.block_diag([sp.csr_matrix(block) for block in blocks], format="csr")
         self._sums = [self._sum_of_traces(index) for index in range(len(interfaces))]
         self.rigid = joint_motions(problems, interfaces)
 
@@ -45,18 +50,33 @@ class CoupledSystem:
         phi: the coefficient at the points of each interface; scale: the size of the forces at work. Raises
         LooseBodyError where nothing holds the bodies.
         """
-        matrix, rhs = self._stiffness, np.concatenate(residuals)
-        ground = np.zeros(len(rhs))
-        ground[self.rigid.ground(phi, rhs, scale)] = self.rigid.largest
-        for index, total in enumerate(self._sums):
-            term = total.T @ sp.diags(self._interfaces[index].weights * phi[index]) @ total
-            matrix = matrix + (term.toarray() if self._dense else term)
-        if self._dense:
-            matrix[np.diag_indices(len(rhs))] += ground
-            correction = scipy.linalg.solve(matrix, rhs, assume_a="pos", overwrite_a=True)
-        else:
-            correction = Factor((matrix + sp.diags(ground)).tocsr()).solve(rhs)
+        rhs = np.concatenate(residuals)
+        ground = self.rigid.ground(phi, rhs, scale)
+        correction = (self._solve_dense if self._dense else self._solve_sparse)(phi, rhs, ground)
         return np.split(correction, self._ends[:-1])
+
+    def _solve_dense(self, phi: Mapping[int, Floats], rhs: Floats, ground: NDArray[np.intp]) -> Floats:
+        matrix = self._stiffness.copy()
+        for index, (places, weights) in enumerate(self._maps):
+            matrix.ravel()[places] += weights @ phi[index]
+        matrix[ground, ground] += self.rigid.largest
+        _, solution, info = lapack.dposv(matrix, rhs, overwrite_a=True)
+        if info != 0:
+            raise np.linalg.LinAlgError("the coupled system is not positive definite")
+        return solution
+
+    def _solve_sparse(self, phi: Mapping[int, Floats], rhs: Floats, ground: NDArray[np.intp]) -> Floats:
+        held = np.zeros(len(rhs))
+        held[ground] = self.rigid.largest
+        matrix = self._stiffness + sp.diags(held)
+        for index, total in enumerate(self._sums):
+            matrix = matrix + total.T @ sp.diags(self._interfaces[index].weights * phi[index]) @ total
+        return Factor(matrix.tocsr()).solve(rhs)
+
+    @cached_property
+    def _maps(self) -> list[tuple[NDArray[np.intp], sp.csr_matrix]]:
+        """Where the contacts' terms stand in the dense matrix, and the operators from φ to their entries."""
+        return [product_map(total, i.weights) for total, i in zip(self._sums, self._interfaces, strict=True)]
 
     def apply(self, phi: Mapping[int, Floats], unknowns: Floats) -> Floats:
         """The system times a vector."""

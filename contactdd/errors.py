@@ -50,6 +50,10 @@ class NoEquilibriumError(NotConvergedError):
         self.motion = motion
 
 
+class CheckpointError(ContactError, ValueError):
+    """A checkpoint that is missing, damaged or of another run."""
+
+
 class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
 

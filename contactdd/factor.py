@@ -7,6 +7,7 @@ from functools import cache
 
 import numpy as np
 import scipy.sparse as sp
+from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
 
@@ -26,6 +27,9 @@ class Factor:
         self._matrix = PETSc.Mat().createAIJWithArrays(matrix.shape, self._csr, comm=PETSc.COMM_SELF)
         self._matrix.setOption(PETSc.Mat.Option.SPD, True)
         self._size = 0 if schur is None else len(schur)
+        self._nothing_to_do = self._size == matrix.shape[0]  # MUMPS refuses to eliminate nothing
+        if self._nothing_to_do:
+            return
         self._pc = PETSc.PC().create(PETSc.COMM_SELF)
         self._pc.setOperators(self._matrix)
         self._pc.setType("cholesky")
@@ -33,7 +37,9 @@ class Factor:
         self._pc.setFactorSetUpSolverType()
         if schur is not None:
             self._set_schur(schur)
-        self._pc.setUp()
+            # MUMPS' estimate of its workspace is too small where few unknowns are eliminated; it is a percentage.
+            self._pc.getFactorMatrix().setMumpsIcntl(14, 1000 if matrix.shape[0] < 1000 else 50)
+        self._set_up()
         if schur is not None:
             self._pc.getFactorMatrix().setMumpsIcntl(26, 0)  # from now on solve with the inner matrix only
         self._rhs, self._solution = self._matrix.createVecs()
@@ -43,10 +49,12 @@ class Factor:
         self._csr[2][:] = values
         self._matrix.assemble()
         self._pc.setOperators(self._matrix)
-        self._pc.setUp()
+        self._set_up()
 
     def solve(self, rhs: Floats) -> Floats:
         """The solution for one right-hand side (unknowns,); with Schur unknowns, of the inner system only."""
+        if self._nothing_to_do:
+            return np.zeros_like(rhs)
         self._rhs.array[:] = rhs
         self._pc.apply(self._rhs, self._solution)
         return self._solution.array.copy()
@@ -54,6 +62,8 @@ class Factor:
     @property
     def complement(self) -> Floats:
         """The Schur complement, dense (c, c)."""
+        if self._nothing_to_do:
+            return sp.csr_matrix(self._csr[::-1], shape=(self._size, self._size)).toarray()
         library, matrix, status = _petsc(), ctypes.c_void_p(), ctypes.c_int(-1)
         _check(library.MatFactorCreateSchurComplement(self._handle(), ctypes.byref(matrix), ctypes.byref(status)))
         pointer = ctypes.POINTER(ctypes.c_double)()
@@ -66,6 +76,13 @@ class Factor:
         half = lower if np.any(lower) else upper.T
         return half + half.T + np.diag(np.diag(dense))
 
+    def _set_up(self) -> None:
+        """Factor, and notice if that failed: PETSc would go on and return infinities."""
+        self._pc.setUp()
+        code = self._pc.getFactorMatrix().getMumpsInfog(1)
+        if code < 0:
+            raise np.linalg.LinAlgError(f"MUMPS could not factor the matrix: INFOG(1) = {code}")
+
     def _handle(self) -> ctypes.c_void_p:
         return ctypes.c_void_p(self._pc.getFactorMatrix().handle)
 
@@ -73,6 +90,66 @@ class Factor:
         """petsc4py has no call for MatFactorSetSchurIS, so the library is asked itself."""
         indices = PETSc.IS().createGeneral(np.asarray(schur, dtype=PETSc.IntType), comm=PETSc.COMM_SELF)
         _check(_petsc().MatFactorSetSchurIS(self._handle(), ctypes.c_void_p(indices.handle)))
+
+
+class SpreadFactor:
+    """The same elimination by several ranks together, each with a part of the factor.
+
+    matrix, schur: as for `Factor`, known to every rank of `comm`. MUMPS gives Schur complements on one rank only, so
+    the complement is made of solves with the kept unknowns' columns.
+    """
+
+    #: Columns that are solved for at once.
+    BLOCK = 64
+
+    def __init__(self, matrix: sp.csr_matrix, schur: NDArray[np.intp], comm: MPI.Comm) -> None:
+        self._comm, self._kept = comm, schur
+        self._inner = np.setdiff1d(np.arange(matrix.shape[0]), schur)
+        ends = np.linspace(0, len(self._inner), comm.size + 1).astype(int)
+        self._first, self._last = ends[comm.rank], ends[comm.rank + 1]
+        rows = matrix[self._inner[self._first : self._last]].tocsr()
+        own, self._coupling = rows[:, self._inner].tocsr(), rows[:, schur].tocsr()
+        self._kept_block = matrix[schur][:, schur].toarray()
+        own.sort_indices()
+        size = (self._last - self._first, len(self._inner))
+        csr = (own.indptr.astype(PETSc.IntType), own.indices.astype(PETSc.IntType), own.data)
+        self._matrix = PETSc.Mat().createAIJ((size, size), csr=csr, comm=comm)
+        self._matrix.setOption(PETSc.Mat.Option.SPD, True)
+        self._pc = PETSc.PC().create(comm)
+        self._pc.setOperators(self._matrix)
+        self._pc.setType("cholesky")
+        self._pc.setFactorSolverType("mumps")
+        self._pc.setUp()
+        self._rhs, self._solution = self._matrix.createVecs()
+
+    def solve(self, rhs: Floats) -> Floats:
+        """The solution of the inner system for one right-hand side of all unknowns, known to every rank."""
+        self._rhs.array[:] = rhs[self._inner[self._first : self._last]]
+        self._pc.apply(self._rhs, self._solution)
+        solution = np.zeros(len(rhs))
+        solution[self._inner] = np.concatenate(self._comm.allgather(self._solution.array.copy()))
+        return solution
+
+    @property
+    def complement(self) -> Floats:
+        """The Schur complement, dense (c, c), the same on every rank."""
+        eliminated = np.empty_like(self._kept_block)
+        local, total = self._last - self._first, len(self._inner)
+        for start in range(0, len(self._kept), self.BLOCK):
+            columns = self._coupling[:, start : start + self.BLOCK].toarray(order="F")
+            count = columns.shape[1]
+            sizes = ((local, total), (PETSc.DECIDE, count))
+            given = PETSc.Mat().createDense(sizes, array=columns, comm=self._comm)
+            found = PETSc.Mat().createDense(sizes, comm=self._comm)
+            given.assemble()
+            found.setUp()
+            found.assemble()
+            self._pc.getFactorMatrix().matSolve(given, found)
+            eliminated[:, start : start + count] = self._coupling.T @ found.getDenseArray()
+            given.destroy()
+            found.destroy()
+        complement = self._kept_block - self._comm.allreduce(eliminated)
+        return 0.5 * (complement + complement.T)
 
 
 @cache

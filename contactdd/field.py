@@ -5,21 +5,35 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import basix
+import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx import mesh as dmesh
 
+from .parameter import Parameter, ParameterField, current
+
 #: What a user may give for a load or a prescribed displacement.
-Field = float | list[float] | tuple[float, ...] | np.ndarray | Callable[[np.ndarray], Any] | ufl.core.expr.Expr
+Field = (
+    float
+    | list[float]
+    | tuple[float, ...]
+    | np.ndarray
+    | Callable[[np.ndarray], Any]
+    | ufl.core.expr.Expr
+    | Parameter
+    | ParameterField
+)
 
 
 def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], degree: int) -> Any:
     """`value` as a UFL coefficient of the given shape on `domain`.
 
     Numbers become `fem.Constant`s, so that another value never compiles another form. Functions take coordinates
-    x (3, points) as dolfinx's do and are interpolated by polynomials of `degree`.
+    x (3, points) as dolfinx's do and are interpolated by polynomials of `degree`. Of a parameter, its present value.
     """
+    value = current(value)
     if isinstance(value, ufl.core.expr.Expr):
         if value.ufl_shape != shape:
             raise ValueError(f"{name}: expected a UFL expression of shape {shape}, got {value.ufl_shape}")
@@ -34,8 +48,19 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
     return fem.Constant(domain, array if shape else float(array))
 
 
+def inner_element(domain: dmesh.Mesh, degree: int) -> Any:
+    """A scalar element with its nodes inside the cells, where fields have one value and a radius is not zero."""
+    cell = domain.topology.cell_name()
+    if degree == 0:
+        return basix.ufl.element("P", cell, 0, discontinuous=True)
+    return basix.ufl.element(
+        "P", cell, degree, lagrange_variant=basix.LagrangeVariant.chebyshev_isaac, discontinuous=True
+    )
+
+
 def evaluate(name: str, value: Field, x: np.ndarray, shape: tuple[int, ...] = ()) -> np.ndarray:
     """`value` at the points x (dim, n): an array of `shape` + (n,), checked to be finite."""
+    value = current(value)
     raw = value(x) if callable(value) else np.asarray(value, dtype=float)
     array = np.asarray(raw, dtype=float)
     if array.shape == shape:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import basix
 import numpy as np
@@ -13,11 +14,11 @@ from numpy.typing import NDArray
 
 from . import compat
 from .body import Body
-from .contact import Contact
+from .contact import Contact, Gap
 from .errors import MeshMismatchError
 from .field import evaluate
 from .quadrature import Rule, rule
-from .trace import FacetPoints, facet_corners, facet_entities, facet_points, facet_type, normal_trace
+from .trace import FacetPoints, facet_corners, facet_points, facet_type, normal_trace
 from .transfer import Partners, by_segments, matching
 
 Floats = NDArray[np.float64]
@@ -27,37 +28,45 @@ class ContactSurface:
     """One body's side of a contact: its facets, and its normal displacement at the points of the quadrature rule.
 
     `integration points` are those at which ∫ φ u_n v_n is evaluated, facet by facet; `values` are the places where
-    the law is: the same points or, for the rule "facet", the facets.
+    the law is: the same points or, for the rule "facet", the facets. areas: what each integration point stands for on
+    the mesh; weights: in the body, the full ring of a body of revolution.
     """
 
     def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
         self.body, self.surface, self.rule = body, surface, quadrature
         self.facets = body.mesh.facets(surface)
-        self.entities = entities = facet_entities(body.mesh.domain, self.facets)
+        self.entities = entities = body.mesh.entities(surface)
         points, weights = quadrature.points(facet_type(body.mesh.domain))
         self.per_facet = len(points)
         self.points = facet_points(
             body.mesh.domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1))
         )
-        self.weights = np.tile(weights, len(entities)) * self.points.area
+        self.areas = np.tile(weights, len(entities)) * self.points.area
+        self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
 
-    @cached_property
-    def spread(self) -> sp.csr_matrix:
-        """From the values to the integration points: the identity or, one value per facet, its repetition."""
+    def spread(self, order: NDArray[np.intp] | None = None) -> sp.csr_matrix:
+        """To the integration points from the values, or from values whose `order` tells where each of these stands."""
         points, per_value = len(self.weights), self.per_facet if self.rule.name == "facet" else 1
-        rows = np.arange(points)
-        return sp.csr_matrix((np.ones(points), (rows, rows // per_value)), shape=(points, points // per_value))
+        values = np.arange(points) // per_value
+        columns = values if order is None else order[values]
+        return sp.csr_matrix((np.ones(points), columns, np.arange(points + 1)), shape=(points, points // per_value))
 
     @cached_property
     def value_weights(self) -> Floats:
         """The area that belongs to each value."""
-        return self.spread.T @ self.weights
+        return self.facet_areas if self.rule.name == "facet" else self.weights
 
     @cached_property
-    def average(self) -> sp.csr_matrix:
-        """From the integration points to the values: the mean over what belongs to each."""
-        return sp.diags(1.0 / self.value_weights) @ self.spread.T @ sp.diags(self.weights)
+    def average(self) -> sp.csr_matrix | None:
+        """From the integration points to the values: the mean over what belongs to each; None where they are one."""
+        if self.rule.name != "facet":
+            return None
+        return sp.diags(1.0 / self.value_weights) @ self.spread().T @ sp.diags(self.weights)
+
+    def mean(self, rows: Any) -> Any:
+        """The rows (integration points, n) of an array or a sparse matrix, averaged to the values."""
+        return rows if self.average is None else self.average @ rows
 
     @cached_property
     def facet_of_value(self) -> NDArray[np.intp]:
@@ -92,9 +101,9 @@ class ContactSurface:
         nodes = basix.create_element(
             basix.ElementFamily.P, facet_type(domain), self.body.degree, basix.LagrangeVariant.equispaced
         ).points
-        entities = np.repeat(facet_entities(domain, self.facets), len(nodes), axis=0)
+        entities = np.repeat(self.entities, len(nodes), axis=0)
         points = facet_points(domain, entities, np.tile(nodes, (len(self.facets), 1)))
-        size = np.sqrt(self.weights.max()) if dim == 3 else self.weights.max()
+        size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
         _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)
         return normal_trace(self.body.space, points)[np.sort(first)]
 
@@ -160,22 +169,53 @@ class Side:
 
 
 @dataclass(frozen=True)
-class Interface:
-    """A contact at n points.
+class GivenGap:
+    """Where a given gap is evaluated, points (m, dim), and how the values at an interface follow, mean (n, m), None if
+    they are the same."""
 
-    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; gap: (n,) d;
-    shape: (n,) the part of d that is given, not found from the meshes; sides: both bodies; unmatched: the area of
-    either surface that has no partner. All contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    points: Floats
+    mean: sp.csr_matrix | None
+
+    def at(self, gap: Gap) -> Floats:
+        values = evaluate("gap", gap, self.points.T)
+        return values if self.mean is None else self.mean @ values
+
+
+@dataclass(frozen=True)
+class Interface:
+    """A contact at n points, with the gap that it has for the present values of its parameters.
+
+    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
+    the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; unmatched:
+    the area of either surface that has no partner. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
     x: Floats
     normal: Floats
     weights: Floats
-    gap: Floats
+    measured: Floats
     shape: Floats
+    given: GivenGap
     sides: tuple[Side, Side]
     unmatched: tuple[float, float] = (0.0, 0.0)
+
+    @cached_property
+    def gap(self) -> Floats:
+        """d at the points, (n,)."""
+        return self.measured + self.shape
+
+    def refreshed(self, contact: Contact) -> Interface:
+        """The same interface for the present gap of the user's contact; everything else is shared."""
+        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap))
+
+
+def without_rounding(distance: Floats, size: float) -> Floats:
+    """Distances between surfaces whose coordinates are up to `size`, those that are rounding alone made zero.
+
+    Else bodies that touch would do so or not by the last bit of their coordinates.
+    """
+    return np.where(np.abs(distance) <= 1e-13 * size, 0.0, distance)
 
 
 def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
@@ -187,16 +227,16 @@ def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
     partner = matching(first, second, reach)
     if partner is None:
         return _on_segments(contact, bodies, first, second, reach)
-    x, normal = first.average @ first.points.x, first.average @ first.points.normal
-    distance = np.sum(((second.average @ second.points.x)[partner] - x) * normal, axis=1)
-    shape = first.average @ evaluate("gap", contact.gap, first.points.x.T)
-    swap = sp.csr_matrix((np.ones(len(partner)), (np.arange(len(partner)), partner)))
+    x, normal = first.mean(first.points.x), first.mean(first.points.normal)
+    distance = np.sum((second.mean(second.points.x)[partner] - x) * normal, axis=1)
+    measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
+    given = GivenGap(first.points.x, first.average)
+    shape = given.at(contact.gap)
     sides = (
-        Side(bodies[0], first, (first.average @ first.trace).tocsr(), first.spread),
-        Side(bodies[1], second, (swap @ second.average @ second.trace).tocsr(), (second.spread @ swap.T).tocsr()),
+        Side(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
+        Side(bodies[1], second, second.mean(second.trace).tocsr()[partner], second.spread(np.argsort(partner))),
     )
-    gap = shape + contact.measure_gap * distance
-    return Interface(contact, x, normal, first.value_weights, gap, shape, sides)
+    return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides)
 
 
 def _on_segments(
@@ -216,7 +256,8 @@ def _on_segments(
         values, weights = sp.eye(len(partners.weights), format="csr"), partners.weights
         member = np.arange(len(weights))
     normal = values @ partners.normal
-    shape = values @ evaluate("gap", contact.gap, partners.middle.T)
+    given = GivenGap(partners.middle, values)
+    shape = given.at(contact.gap)
     sides = tuple(
         Side(
             bodies[place],
@@ -228,12 +269,13 @@ def _on_segments(
     )
     unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
     return Interface(
-        contact,
+        contact.frozen(),
         values @ partners.points[0].x,
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
         weights,
-        shape + contact.measure_gap * (values @ partners.gap),
+        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.points[0].x).max())),
         shape,
+        given,
         (sides[0], sides[1]),
         (unmatched[0], unmatched[1]),
     )
@@ -253,6 +295,5 @@ def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floa
 def _unmatched(surface: ContactSurface, partners: Partners, place: int) -> float:
     """The area of a surface that has no partner."""
     bare = np.maximum(surface.facet_areas - partners.covered(place, len(surface.facets)), 0.0)
-    total = float(surface.facet_areas.sum())
-    area = float(bare.sum())
+    area, total = float(bare.sum()), float(surface.facet_areas.sum())
     return area if area > 1e-6 * total else 0.0  # less is what seams between curved facets leave

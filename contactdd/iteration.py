@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from .equilibrium import BALANCED, escape
 from .errors import LooseBodyError
 from .history import History, Record
 from .line_search import minimise_along
+from .multigrid import MultigridSubproblem
 from .scene import Scene
 from .scheme import Scheme
 from .start import State
@@ -25,6 +27,8 @@ Observer = Callable[[Record], bool]
 
 #: Contact unknowns up to which "auto" factors the coupled system.
 LARGEST_DIRECT = 6000
+#: What a measure has to fall to for the run to have come closer.
+PROGRESS = 0.99
 
 
 @dataclass(frozen=True)
@@ -67,12 +71,25 @@ class Ending:
 
 
 class Run:
-    """One run: the iterate `state` and the `history`."""
+    """One run: the iterate `state` and the `history`.
 
-    def __init__(self, scene: Scene, scheme: Scheme, problems: Sequence[Subproblem], state: State) -> None:
+    history, memory: of an earlier run that this one goes on from.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        scheme: Scheme,
+        problems: Sequence[Subproblem],
+        state: State,
+        history: History | None = None,
+        memory: Sequence[Floats] = (),
+    ) -> None:
         self.scene, self.scheme, self.problems, self.state = scene, scheme, problems, state
-        self.history = History()
+        self.history = History() if history is None else history
         self.anderson = Anderson() if scheme.accelerated else None
+        if self.anderson is not None:
+            self.anderson.memory = memory
         self.linear, self._note = _step(scheme, problems, scene)
         self._points = [interface.x.T for interface in scene.interfaces]
         self._size = max(float(np.ptp(body.mesh.domain.geometry.x, axis=0).max()) for body in scene.bodies)
@@ -81,10 +98,16 @@ class Run:
         self._began = time.process_time()
 
     def iterate(self, gammas: Iterator[float | None], rule: Rule, observe: Observer) -> Ending:
-        """Iterate to the end. gammas: γ^k, None where it is to be searched; observe: told of every iteration, ends the
-        run by returning True."""
-        best, best_at, last = np.inf, 0, None
-        for k in range(rule.most + 1):  # k iterations are done
+        """Iterate to the end, from where the history ends.
+
+        gammas: γ^0, γ^1, …, None where it is to be searched; observe: told of every iteration, ends the run by
+        returning True.
+        """
+        done = len(self.history)
+        gammas = itertools.islice(gammas, done, None)
+        last = self.history[-1] if done else None
+        best, best_at = self._best_so_far(rule)
+        for k in range(done, rule.most + 1):  # k iterations are done
             if not self._bounded():
                 return self._ending(
                     "diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}"
@@ -92,12 +115,12 @@ class Run:
             tractions = self.scene.tractions(self.state.gaps)
             residuals = self._residuals(tractions)
             scale = self._scale(residuals, tractions)
-            residual = norm(residuals) / scale if scale > 0.0 else 0.0
+            residual = self.scene.ranks.agree(norm(residuals) / scale if scale > 0.0 else 0.0)
             distance = rule.distance(residual, last)
             reached = f"residual {residual:.2e}" + (f", change {last.change:.2e}" if last else "")
             if distance <= 1.0:
                 return self._arrived(f"{reached} after {k} iterations", residual * scale)
-            if distance < 0.99 * best:
+            if distance < PROGRESS * best:
                 best, best_at = distance, k
             elif k - best_at >= rule.patience:
                 return self._ending("stalled", f"no progress in {rule.patience} iterations: {reached}")
@@ -111,8 +134,18 @@ class Run:
                 return Ending("iteration limit", f"gamma ended after {k} values: {reached}")
             self.history.append(last)
             if observe(last):
-                return Ending("stopped", f"by the callback in iteration {k + 1}")
+                return Ending("stopped", f"as asked in iteration {k + 1}")
         return self._ending("iteration limit", f"{reached} after {rule.most} iterations")
+
+    def _best_so_far(self, rule: Rule) -> tuple[float, int]:
+        """The smallest distance in the history, and after how many iterations it was reached."""
+        best, best_at, last = np.inf, 0, None
+        for done, record in enumerate(self.history):
+            distance = rule.distance(record.residual, last)
+            if distance < PROGRESS * best:
+                best, best_at = distance, done
+            last = record
+        return best, best_at
 
     def _iteration(self, k: int, gamma: float | None, residuals: list[Floats], scale: float, residual: float) -> Record:
         """One iteration (16), (25)."""
@@ -127,7 +160,7 @@ class Run:
         else:
             steps, note = self._accelerated(corrections, residuals, length, energy)
         contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
-        self.state = self._moved(steps)
+        self.state = self._moved(self.scene.ranks.agree(steps))
         return Record(
             iteration=k,
             gamma=length,
@@ -284,10 +317,11 @@ def norm(vectors: Sequence[Floats]) -> float:
 def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple[Step, str]:
     """The kind of linear problem that the scheme asks for, and why it was chosen where the scheme leaves it open."""
     if scheme.step == "apart":
-        return Apart(problems), ""
+        return Apart(problems, scene.ranks), ""
     unknowns = sum(problem.size for problem in problems)
-    if scheme.step == "direct" or (scheme.step == "auto" and unknowns <= LARGEST_DIRECT):
+    small = unknowns <= LARGEST_DIRECT and not any(isinstance(p, MultigridSubproblem) for p in problems)
+    if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {unknowns} unknowns factored" if scheme.step == "auto" else ""
         return Direct(problems, scene.interfaces), note
     note = f"auto: Newton with Krylov steps, {unknowns} unknowns" if scheme.step == "auto" else ""
-    return Krylov(problems, scene.interfaces), note
+    return Krylov(problems, scene.interfaces, scene.ranks), note

@@ -1,7 +1,7 @@
-"""Which strains a body can have: plane strain, plane stress or a solid in space.
+"""Which strains a body can have: plane strain, plane stress, a body of revolution or a solid in space.
 
-Each kind says which of the six Voigt components take part, how the stiffness reduces to them, and how they follow
-from the displacement (3). Everything else in the package is the same for all of them.
+Each kind says which of the six Voigt components take part, how the stiffness reduces to them, how they follow from the
+displacement (3), and what volume a point of the mesh stands for. Everything else in the package is the same for all.
 """
 
 from __future__ import annotations
@@ -20,47 +20,75 @@ from .material import VOIGT
 
 @dataclass(frozen=True)
 class Kinematics:
-    """A kind of deformation: its name, its dimension, the Voigt components of strain that are free, and whether the
-    other stresses (not the other strains) vanish."""
+    """A kind of deformation: its name, its dimension, the Voigt components of strain that are free, whether the other
+    stresses (not the other strains) vanish, and whether every point of the mesh is a ring.
+
+    On a mesh of rings x is the radius r, y the axial and z the hoop direction: the stress "zz" is the hoop stress.
+    """
 
     name: str
     dim: int
     components: tuple[int, ...]
     stress_free: bool = False
+    ring: bool = False
 
     def reduce(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The stiffness between the free components, from the full 6 × 6 matrix.
+        """The stiffness between the free components, from the full (..., 6, 6) one.
 
         The other strains vanish, or, where `stress_free`, they adjust until their stresses do (static condensation).
         """
         kept = list(self.components)
-        block = stiffness[np.ix_(kept, kept)]
+        block = stiffness[..., np.array(kept)[:, None], kept]
         if not self.stress_free:
             return block
         rest = [i for i in range(6) if i not in kept]
-        coupling = stiffness[np.ix_(kept, rest)]
-        return block - coupling @ np.linalg.solve(stiffness[np.ix_(rest, rest)], coupling.T)
+        coupling = stiffness[..., np.array(kept)[:, None], rest]
+        held = stiffness[..., np.array(rest)[:, None], rest]
+        return block - coupling @ np.linalg.solve(held, np.swapaxes(coupling, -1, -2))
 
     def full_stress(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The matrix from the free strains to all six stresses, (6, free components)."""
+        """The matrix from the free strains to all six stresses, (..., 6, free components) from (..., 6, 6)."""
         kept = list(self.components)
         if not self.stress_free:
-            return np.ascontiguousarray(stiffness[:, kept])
-        matrix = np.zeros((6, len(kept)))
-        matrix[kept] = self.reduce(stiffness)
+            return np.ascontiguousarray(stiffness[..., kept])
+        matrix = np.zeros((*stiffness.shape[:-1], len(kept)))
+        matrix[..., kept, :] = self.reduce(stiffness)
         return matrix
 
+    def weight(self, x: Any) -> Any:
+        """How much volume (or area) there is per unit of the mesh's own at x: 2πr on a mesh of rings, else 1.
+
+        x: a UFL coordinate or an array (dim, points). Every integral of the package carries this weight, so that
+        energies and forces of a body of revolution are those of the full ring.
+        """
+        return 2 * np.pi * x[0] if self.ring else 1
+
+    def resultant(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The sum (dim,) of nodal forces (nodes, dim); what acts radially on a ring sums to zero around it."""
+        total = forces.sum(axis=0)
+        if self.ring:
+            total[0] = 0.0
+        return total
+
     def strain(self, u: Any) -> Any:
-        """The engineering strains of the free components, as a UFL vector (3)."""
+        """The engineering strains of the free components, as a UFL vector (3); u_r/r around a ring."""
         epsilon = ufl.sym(ufl.grad(u))
-        pairs = [VOIGT[i] for i in self.components]
-        return ufl.as_vector([epsilon[i, j] if i == j else 2 * epsilon[i, j] for i, j in pairs])
+
+        def component(i: int, j: int) -> Any:
+            if max(i, j) == self.dim:
+                return u[0] / ufl.SpatialCoordinate(ufl.domain.extract_unique_domain(u))[0]
+            return epsilon[i, j] if i == j else 2 * epsilon[i, j]
+
+        return ufl.as_vector([component(*VOIGT[i]) for i in self.components])
 
     def rigid_modes(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacements of the rigid motions at points x (n, 3), shape (n, dim, modes).
 
-        Translations first, then rotations about the centre of the points, made of the order one by their size.
+        Translations first, then rotations about the centre of the points, made of the order one by their size. A ring
+        can only move along its axis.
         """
+        if self.ring:
+            return np.tile([[0.0], [1.0]], (len(x), 1, 1))
         centred = (x - x.mean(axis=0))[:, : self.dim]
         centred = centred / max(np.abs(centred).max(initial=0.0), np.finfo(float).tiny)
         translations = [np.tile(axis, (len(x), 1)) for axis in np.eye(self.dim)]
@@ -73,6 +101,8 @@ class Kinematics:
 
     def describe(self, mode: Sequence[float]) -> str:
         """A rigid motion, given by its coefficients in `rigid_modes`, in words."""
+        if self.ring:
+            return "translation along the axis"
         axes = "xyz"[: self.dim]
         names = [f"translation along {axis}" for axis in axes]
         names += ["rotation in the plane"] if self.dim == 2 else [f"rotation about {axis}" for axis in axes]
@@ -85,6 +115,7 @@ KINEMATICS = {
     for kind in (
         Kinematics("plane strain", 2, (0, 1, 5)),
         Kinematics("plane stress", 2, (0, 1, 5), stress_free=True),
+        Kinematics("axisymmetric", 2, (0, 1, 2, 5), ring=True),
         Kinematics("solid", 3, (0, 1, 2, 3, 4, 5)),
     )
 }

@@ -1,13 +1,19 @@
-"""Loads: what stands in l(v) = ∫ f·v dx + ∫ p·v ds."""
+"""Loads: what stands in l(v) = ∫ f·v dx + ∫ p·v ds.
+
+A value is a number, an array, a function of the coordinates x (3, points), a UFL expression or a `Parameter`.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import ufl
+from dolfinx import fem
 
 from .field import Field, coefficient
+from .parameter import current
 
 if TYPE_CHECKING:
     from .body import Body
@@ -22,7 +28,7 @@ class Pressure:
 
     def form(self, body: Body, v: Any) -> Any:
         p = coefficient("pressure", self.value, body.mesh.domain, (), body.degree + 2)
-        return -p * ufl.dot(ufl.FacetNormal(body.mesh.domain), v) * body.ds(self.surface)
+        return body.over_surface(-p * ufl.dot(ufl.FacetNormal(body.mesh.domain), v), self.surface)
 
 
 @dataclass(frozen=True)
@@ -34,7 +40,7 @@ class Traction:
 
     def form(self, body: Body, v: Any) -> Any:
         p = coefficient("traction", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
-        return ufl.dot(p, v) * body.ds(self.surface)
+        return body.over_surface(ufl.dot(p, v), self.surface)
 
 
 @dataclass(frozen=True)
@@ -45,7 +51,28 @@ class BodyForce:
 
     def form(self, body: Body, v: Any) -> Any:
         f = coefficient("body force", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
-        return ufl.dot(f, v) * body.dx
+        return body.over_volume(ufl.dot(f, v))
 
 
-Load = Pressure | Traction | BodyForce
+@dataclass(frozen=True)
+class Resultant:
+    """A total force (dim,) spread evenly over a named surface: the same traction force / area everywhere on it.
+
+    The force is per unit of thickness in the plane, and that of the full ring in a body of revolution, where only an
+    axial one exists.
+    """
+
+    surface: str
+    force: Field
+
+    def form(self, body: Body, v: Any) -> Any:
+        force = current(self.force)
+        if callable(force) or np.shape(force) != (body.mesh.dim,) or not np.all(np.isfinite(force)):
+            raise ValueError(f"force = {self.force!r}: expected {body.mesh.dim} finite numbers")
+        if body.kinematics.ring and force[0] != 0.0:
+            raise ValueError(f"force = {self.force!r}: around a ring radial forces sum to zero; expected force[0] = 0")
+        traction = fem.Constant(body.mesh.domain, np.asarray(force, dtype=float) / body.area(self.surface))
+        return body.over_surface(ufl.dot(traction, v), self.surface, body.area_metadata)
+
+
+Load = Pressure | Traction | BodyForce | Resultant

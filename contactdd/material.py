@@ -1,38 +1,237 @@
-"""Linear elastic materials: the stiffness of Hooke's law (2) in Voigt's notation."""
+"""Linear elastic materials: the stiffness of Hooke's law (2) in Voigt's notation, checked for (4).
+
+Every constant of a material is a number or a function of the coordinates x (3, points); Voigt's notation stays inside
+this file and `kinematics`.
+"""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from .errors import finite, positive
+from .errors import finite
+from .field import evaluate
+from .parameter import fixed_number
+
+Floats = NDArray[np.float64]
+#: A material constant: a number, or a function of the coordinates x (3, points).
+Number = float | Callable[[Floats], Any]
 
 #: Voigt's order of the tensor components; shear strains count twice (engineering strains).
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+#: The place of the component (i, j) in that order.
+PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
+
+
+class Material(ABC):
+    """A linear elastic material, its stiffness a symmetric positive definite tensor C_ijkl(x)."""
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            fixed_number(name, value)
+        if not self.varies:
+            self.stiffness()
+
+    @property
+    def varies(self) -> bool:
+        """Whether the material is given by functions of the place."""
+        return any(callable(value) for value in vars(self).values())
+
+    def stiffness(self, x: Floats | None = None) -> Floats:
+        """C in Voigt's notation (stress units): stresses = C @ engineering strains, in the order of `VOIGT`.
+
+        Shape (6, 6), or (points, 6, 6) at points x (3, points), which a material that varies needs. Raises ValueError
+        for constants that no elastic material has (4).
+        """
+        if x is not None:
+            return self._stiffness(x)
+        if self.varies:
+            raise ValueError(f"x = None: {self!r} varies in space; expected points (3, n)")
+        return self._stiffness(np.zeros((3, 1)))[0]
+
+    def tensor(self, x: Floats | None = None) -> Floats:
+        """C_ijkl (stress units), shape (3, 3, 3, 3), or (points, 3, 3, 3, 3) at points x (3, points)."""
+        return self.stiffness(x)[..., PLACE[:, :, None, None], PLACE[None, None]]
+
+    def rotated(self, rotation: ArrayLike | Callable[[Floats], Any]) -> Rotated:
+        """The same material with its axes turned.
+
+        rotation: an angle about z (radians, counter-clockwise in the plane) or an orthogonal (3, 3) matrix whose
+        columns are the new directions of the material axes; or a function of x (3, points) that gives (points,) angles
+        or (3, 3, points) matrices.
+        """
+        return Rotated(self, rotation)
+
+    @abstractmethod
+    def _stiffness(self, x: Floats) -> Floats:
+        """C at points x (3, points), shape (points, 6, 6), checked."""
 
 
 @dataclass(frozen=True)
-class Isotropic:
+class Isotropic(Material):
     """An isotropic material: Young's modulus E > 0 (stress units), Poisson's ratio -1 < nu < 0.5."""
 
-    E: float
-    nu: float
+    E: Number
+    nu: Number
 
-    def __post_init__(self) -> None:
-        positive("E", self.E)
-        if not -1.0 < finite("nu", self.nu) < 0.5:
-            raise ValueError(f"nu = {self.nu!r}: expected -1 < nu < 0.5")
+    def _stiffness(self, x: Floats) -> Floats:
+        E, nu = _positive("E", self.E, x), _constant("nu", self.nu, x)
+        _require((nu > -1.0) & (nu < 0.5), "nu", self.nu, nu, "-1 < nu < 0.5", x)
+        lam, mu = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+        matrix = mu[:, None, None] * np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
+        matrix[:, :3, :3] += lam[:, None, None]
+        return matrix
+
+
+@dataclass(frozen=True)
+class Orthotropic(Material):
+    """An orthotropic material with its axes 1, 2, 3 along x, y, z (turn it with `rotated`).
+
+    E1, E2, E3: Young's moduli; G12, G13, G23: shear moduli (stress units); nu_ij: Poisson's ratios, the contraction
+    along j per unit of extension along i, so that nu_ij / E_i = nu_ji / E_j. An elastic material has
+    nu_ij² < E_i / E_j and 1 − ν12ν21 − ν23ν32 − ν13ν31 − 2 ν21ν32ν13 > 0.
+    """
+
+    E1: Number
+    E2: Number
+    E3: Number
+    nu12: Number
+    nu13: Number
+    nu23: Number
+    G12: Number
+    G13: Number
+    G23: Number
+
+    def _stiffness(self, x: Floats) -> Floats:
+        E = [_positive(name, getattr(self, name), x) for name in ("E1", "E2", "E3")]
+        compliance = np.zeros((x.shape[1], 6, 6))
+        for i in range(3):
+            compliance[:, i, i] = 1.0 / E[i]
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            name = f"nu{i + 1}{j + 1}"
+            nu = _constant(name, getattr(self, name), x)
+            expected = f"{name}² < E{i + 1}/E{j + 1}"
+            _require(nu**2 < E[i] / E[j], name, getattr(self, name), nu, expected, x)
+            compliance[:, i, j] = compliance[:, j, i] = -nu / E[i]
+        for i, name in ((3, "G23"), (4, "G13"), (5, "G12")):
+            compliance[:, i, i] = 1.0 / _positive(name, getattr(self, name), x)
+        determinant = np.linalg.det(compliance[:, :3, :3]) * E[0] * E[1] * E[2]
+        if not np.all(determinant > 1e-14):  # it is a sum of numbers of the order one
+            worst = int(np.argmin(determinant))
+            where = f" at x = {x[:, worst]}" if self.varies else ""
+            raise ValueError(
+                f"nu12, nu13, nu23{where}: 1 − ν12ν21 − ν23ν32 − ν13ν31 − 2 ν21ν32ν13 = {determinant[worst]:.6g}; "
+                "expected a number > 0"
+            )
+        stiffness = np.linalg.inv(compliance)
+        return 0.5 * (stiffness + np.swapaxes(stiffness, 1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Anisotropic(Material):
+    """A material with any symmetric positive definite stiffness (stress units).
+
+    C: a 6 × 6 matrix between stresses and engineering strains in the order xx, yy, zz, yz, xz, xy, or the tensor
+    C_ijkl, shape (3, 3, 3, 3); or a function of x (3, points) with such values, the points last.
+    """
+
+    C: ArrayLike | Callable[[Floats], Any]
+
+    def _stiffness(self, x: Floats) -> Floats:
+        shape = (6, 6) if np.ndim(value := self._given(x)) in (2, 3) else (3, 3, 3, 3)
+        values = np.moveaxis(evaluate("C", value, x, shape), -1, 0)
+        if values.ndim == 5:
+            for axes in ((0, 2, 1, 3, 4), (0, 1, 2, 4, 3)):
+                _require_symmetry(values, values.transpose(axes), "C_ijkl = C_jikl = C_ijlk")
+            i, j = np.array(VOIGT).T
+            values = values[:, i[:, None], j[:, None], i, j]
+        transposed = np.swapaxes(values, 1, 2)
+        _require_symmetry(values, transposed, "C = Cᵀ, that is C_ijkl = C_klij")
+        values = 0.5 * (values + transposed)
+        eigenvalues = np.linalg.eigvalsh(values)
+        worst = int(np.argmin(eigenvalues[:, 0] / np.abs(eigenvalues).max(axis=1)))
+        smallest, largest = eigenvalues[worst, 0], np.abs(eigenvalues[worst]).max()
+        # A ratio within the rounding of the eigenvalues (6 × 6) is no proof of a positive one.
+        if not smallest > 1e-14 * largest:
+            where = f" at x = {x[:, worst]}" if self.varies else ""
+            raise ValueError(f"C{where}: its smallest eigenvalue is {smallest:.6g}; expected C positive definite")
+        return values
+
+    def _given(self, x: Floats) -> Floats:
+        return np.asarray(self.C(x) if callable(self.C) else self.C, dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
+class Rotated(Material):
+    """A material whose axes are turned; made by `Material.rotated`."""
+
+    material: Material
+    rotation: ArrayLike | Callable[[Floats], Any]
 
     @property
-    def lame(self) -> tuple[float, float]:
-        """Lamé's constants λ and μ."""
-        return self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu)), self.E / (2 * (1 + self.nu))
+    def varies(self) -> bool:
+        return self.material.varies or callable(self.rotation)
 
-    def stiffness(self) -> NDArray[np.float64]:
-        """C as a 6 × 6 matrix (stress units): stresses = C @ engineering strains, in the order of `VOIGT`."""
-        lam, mu = self.lame
-        matrix = np.diag([2 * mu] * 3 + [mu] * 3)
-        matrix[:3, :3] += lam
+    def _stiffness(self, x: Floats) -> Floats:
+        bond = _bond(_rotation(self.rotation, x))
+        return bond @ self.material.stiffness(x) @ np.swapaxes(bond, 1, 2)
+
+
+def _rotation(rotation: ArrayLike | Callable[[Floats], Any], x: Floats) -> Floats:
+    """The matrices of the material axes at points, (points, 3, 3)."""
+    value = np.asarray(rotation(x) if callable(rotation) else rotation, dtype=float)
+    if value.ndim < 2:
+        angle = evaluate("rotation", value, x)
+        matrix = np.zeros((len(angle), 3, 3))
+        matrix[:, 0, 0] = matrix[:, 1, 1] = np.cos(angle)
+        matrix[:, 1, 0], matrix[:, 0, 1] = np.sin(angle), -np.sin(angle)
+        matrix[:, 2, 2] = 1.0
         return matrix
+    matrix = np.moveaxis(evaluate("rotation", value, x, (3, 3)), -1, 0)
+    if np.abs(matrix @ np.swapaxes(matrix, 1, 2) - np.eye(3)).max() > 1e-10:  # user's own arithmetic, not typed digits
+        raise ValueError(f"rotation = {rotation!r}: expected an angle or an orthogonal matrix (3, 3)")
+    return matrix
+
+
+def _bond(rotation: Floats) -> Floats:
+    """Bond's matrices M of rotations R (points, 3, 3): stresses turn as M σ, so that C turns as M C Mᵀ."""
+    matrix = np.empty((len(rotation), 6, 6))
+    for row, (i, j) in enumerate(VOIGT):
+        for column, (a, b) in enumerate(VOIGT):
+            matrix[:, row, column] = rotation[:, i, a] * rotation[:, j, b]
+            if a != b:
+                matrix[:, row, column] += rotation[:, i, b] * rotation[:, j, a]
+    return matrix
+
+
+def _constant(name: str, value: Number, x: Floats) -> Floats:
+    """A material constant at the points x (3, points)."""
+    return evaluate(name, value, x) if callable(value) else np.full(x.shape[1], finite(name, value))
+
+
+def _positive(name: str, value: Number, x: Floats) -> Floats:
+    values = _constant(name, value, x)
+    _require(values > 0.0, name, value, values, "a number > 0", x)
+    return values
+
+
+def _require(ok: NDArray[np.bool_], name: str, given: Any, values: Floats, expected: str, x: Floats) -> None:
+    """Refuse the first value that is not `ok`; say where it is if it was given as a function."""
+    if not np.all(ok):
+        worst = int(np.argmin(ok))
+        where = f" at x = {x[:, worst]}" if callable(given) else ""
+        raise ValueError(f"{name} = {values[worst]:g}{where}: expected {expected}")
+
+
+def _require_symmetry(values: Floats, transposed: Floats, expected: str) -> None:
+    difference = np.abs(values - transposed)
+    # Tables give a few digits, and the same ones on both sides; more than this is another material.
+    if difference.max() > 1e-8 * np.abs(values).max():
+        place = np.unravel_index(np.argmax(difference), difference.shape)
+        name = "C_" + "".join(str(index + 1) for index in place[1:])
+        raise ValueError(f"{name} = {values[place]:g}, its partner {transposed[place]:g}: expected {expected}")

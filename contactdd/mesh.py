@@ -7,6 +7,7 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +19,11 @@ from numpy.typing import NDArray
 
 from . import compat
 from .errors import finite, one_of
+from .trace import facet_entities
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+#: The cells of a structured mesh along one axis: how many equal ones, or where they end.
+Cells = int | Sequence[float] | NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -60,6 +64,17 @@ class Mesh:
             raise ValueError(f"surface = {surface!r}: the mesh has no surface of that name (it has {known})")
         return self.surfaces[surface]
 
+    def entities(self, surface: str) -> NDArray[np.int32]:
+        """(cell, local facet) of each facet of a named surface, (facets, 2)."""
+        self.facets(surface)  # refuses an unknown name
+        return self._entities[surface]
+
+    @cached_property
+    def _entities(self) -> dict[str, NDArray[np.int32]]:
+        ends = np.cumsum([len(facets) for facets in self.surfaces.values()])
+        pairs = facet_entities(self.domain, np.concatenate(list(self.surfaces.values())))
+        return dict(zip(self.surfaces, np.split(pairs, ends[:-1]), strict=True))
+
     def with_surfaces(self, **markers: Marker) -> Mesh:
         """The same mesh with more named surfaces, each given by a function x (3, points) -> bool of boundary facets."""
         return Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)})
@@ -72,32 +87,39 @@ class Mesh:
 def rectangle(
     lower_left: Sequence[float],
     upper_right: Sequence[float],
-    cells: tuple[int, int],
+    cells: tuple[Cells, Cells],
     *,
     shape: str = "triangle",
     diagonal: str = "right",
 ) -> Mesh:
     """A structured mesh of a rectangle with the surfaces left, right, bottom and top.
 
-    cells: how many along x and y; shape: "triangle" (each cell cut in two along `diagonal`: "left", "right" or
-    "crossed") or "quadrilateral".
+    cells: along x and y, each a number of equal cells or, for a graded mesh, the coordinates of their ends; shape:
+    "triangle" (each cell cut in two along `diagonal`: "left", "right" or "crossed") or "quadrilateral".
     """
     one_of("shape", shape, ("triangle", "quadrilateral"))
     one_of("diagonal", diagonal, ("left", "right", "crossed"))
-    corners = _corners(lower_left, upper_right, cells, 2)
+    corners, lines = _grid(lower_left, upper_right, cells, 2)
+    counts = [len(line) - 1 for line in lines]
     domain = dmesh.create_rectangle(
-        MPI.COMM_SELF, corners, list(cells), dmesh.CellType[shape], diagonal=dmesh.DiagonalType[diagonal]
+        MPI.COMM_SELF, corners, counts, dmesh.CellType[shape], diagonal=dmesh.DiagonalType[diagonal]
     )
+    _move(domain, corners, lines)
     return Mesh(domain, _mark(domain, _box_sides(corners, (("left", "right"), ("bottom", "top")))))
 
 
 def box(
-    lower: Sequence[float], upper: Sequence[float], cells: tuple[int, int, int], *, shape: str = "tetrahedron"
+    lower: Sequence[float], upper: Sequence[float], cells: tuple[Cells, Cells, Cells], *, shape: str = "tetrahedron"
 ) -> Mesh:
-    """A structured mesh of a box: left/right (x), front/back (y), bottom/top (z); "tetrahedron" or "hexahedron"."""
+    """A structured mesh of a box: left/right (x), front/back (y), bottom/top (z); "tetrahedron" or "hexahedron".
+
+    cells: along x, y and z, as for a `rectangle`.
+    """
     one_of("shape", shape, ("tetrahedron", "hexahedron"))
-    corners = _corners(lower, upper, cells, 3)
-    domain = dmesh.create_box(MPI.COMM_SELF, corners, list(cells), dmesh.CellType[shape])
+    corners, lines = _grid(lower, upper, cells, 3)
+    counts = [len(line) - 1 for line in lines]
+    domain = dmesh.create_box(MPI.COMM_SELF, corners, counts, dmesh.CellType[shape])
+    _move(domain, corners, lines)
     return Mesh(domain, _mark(domain, _box_sides(corners, (("left", "right"), ("front", "back"), ("bottom", "top")))))
 
 
@@ -155,8 +177,13 @@ def mesh_cache() -> Path:
 
 def _meshed(gmsh: Any, script: Path, dim: int, order: int, parameters: Mapping[str, float]) -> Path:
     """The .msh file of a script, from the cache or made now."""
+    text = script.read_text()
+    if not text.endswith("\n"):
+        raise ValueError(
+            f"path = {str(script)!r}: expected a line break at the end, without which gmsh cuts the last line"
+        )
     values = {name: finite(name, value) for name, value in sorted(parameters.items())}
-    recipe = json.dumps([script.read_text(), values, dim, order, gmsh.__version__])
+    recipe = json.dumps([text, values, dim, order, gmsh.__version__])
     target = mesh_cache() / f"{script.stem}-{hashlib.sha256(recipe.encode()).hexdigest()[:16]}.msh"
     if not target.is_file():
         gmsh.open(str(script))
@@ -190,15 +217,42 @@ def _listed(names: Sequence[str]) -> str:
     return ", ".join(repr(name) for name in sorted(names)) or "none"
 
 
-def _corners(
-    lower: Sequence[float], upper: Sequence[float], cells: Sequence[int], dim: int
-) -> list[NDArray[np.float64]]:
+def _grid(
+    lower: Sequence[float], upper: Sequence[float], cells: Sequence[Cells], dim: int
+) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
+    """The two corners of a structured mesh, and along each axis the coordinates at which its cells end."""
     low, high = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
     if low.shape != (dim,) or high.shape != (dim,) or not np.all(high > low):
         raise ValueError(f"corners {lower!r}, {upper!r}: expected two points of {dim} coordinates, the second larger")
-    if len(cells) != dim or any(int(count) != count or count < 1 for count in cells):
-        raise ValueError(f"cells = {cells!r}: expected {dim} whole numbers >= 1")
-    return [low, high]
+    if len(cells) != dim:
+        raise ValueError(f"cells = {cells!r}: expected {dim} entries")
+    return [low, high], [_line(*ends, count) for *ends, count in zip(low, high, cells, strict=True)]
+
+
+def _line(start: float, end: float, cells: Cells) -> NDArray[np.float64]:
+    """Where the cells along one axis end."""
+    if np.ndim(cells) == 0:
+        if int(cells) != cells or cells < 1:
+            raise ValueError(f"cells = {cells!r}: expected a whole number >= 1, or the coordinates of the cells' ends")
+        return np.linspace(start, end, int(cells) + 1)
+    line, tolerance = np.asarray(cells, dtype=float), 1e-10 * (end - start)
+    if (
+        line.ndim != 1
+        or len(line) < 2
+        or not np.all(np.diff(line) > 0)
+        or np.abs(line[[0, -1]] - (start, end)).max() > tolerance
+    ):
+        raise ValueError(f"cells = {cells!r}: expected increasing coordinates from {start} to {end}")
+    return line
+
+
+def _move(domain: dmesh.Mesh, corners: list[NDArray[np.float64]], lines: list[NDArray[np.float64]]) -> None:
+    """Move the nodes of a structured mesh of equal cells to the given coordinates."""
+    x = domain.geometry.x
+    for axis, line in enumerate(lines):
+        equal = np.linspace(corners[0][axis], corners[1][axis], len(line))
+        if not np.array_equal(line, equal):
+            x[:, axis] = np.interp(x[:, axis], equal, line)
 
 
 def _box_sides(corners: list[NDArray[np.float64]], names: Sequence[tuple[str, str]]) -> dict[str, Marker]:
@@ -239,6 +293,8 @@ def _check_cells(domain: dmesh.Mesh) -> None:
     domain.topology.create_connectivity(dim - 1, dim)
     cells = domain.topology.connectivity(dim - 1, dim)
     inner = np.flatnonzero(np.diff(cells.offsets) == 2).astype(np.int32)
+    if len(inner) == 0:  # dolfinx divides by their number
+        return
     corners = x[dmesh.entities_to_geometry(domain, dim - 1, inner, False).reshape(len(inner), -1)][:, :, :dim]
     middles = x[compat.geometry_dofmap(domain)].mean(axis=1)[:, :dim]
     edges = [corners[:, i] - corners[:, 0] for i in range(1, dim)]

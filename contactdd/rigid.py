@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -54,20 +55,27 @@ class Owner:
 class RigidMotions:
     """The rigid motions that the supports of one body, or of several together, leave free.
 
-    modes: (unknowns, motions), orthonormal within each body; elastic: (motions, motions) the stiffness that springs
-    give them; largest: the largest stiffness of the unknowns; contacts: what interfaces add; owners: of the motions.
+    modes: (unknowns, motions), orthonormal within each body; springs: (unknowns, motions) the forces with which springs
+    answer them (a rigid motion meets no other elastic force); contacts: what the interfaces add; owners: whose motions
+    they are; largest: the largest stiffness of the unknowns.
     """
 
     modes: Floats
-    elastic: Floats
-    largest: float
+    springs: Floats
     contacts: Sequence[Resistance]
     owners: Sequence[Owner]
+    largest: float
+
+    @cached_property
+    def elastic(self) -> Floats:
+        """The stiffness that springs give the motions, (motions, motions)."""
+        elastic = self.modes.T @ self.springs
+        return 0.5 * (elastic + elastic.T)
 
     @property
     def floating(self) -> bool:
         """Whether there are free motions and no spring resists any of them."""
-        return self.modes.shape[1] > 0 and not np.any(self.elastic)
+        return self.modes.shape[1] > 0 and not np.any(self.springs)
 
     def free(self, phi: Mapping[int, Floats]) -> Floats:
         """The motions that neither springs nor the coefficient φ resist, as columns of coefficients (motions, free)."""
@@ -114,10 +122,10 @@ def joint_motions(problems: Sequence[Subproblem], interfaces: Sequence[Interface
         for index, (interface, rows) in enumerate(zip(interfaces, closing, strict=True))
     ]
     modes = scipy.linalg.block_diag(*(problem.rigid.modes for problem in problems))
-    elastic = scipy.linalg.block_diag(*(problem.rigid.elastic for problem in problems))
+    springs = scipy.linalg.block_diag(*(problem.rigid.springs for problem in problems))
     largest = max(problem.rigid.largest for problem in problems)
     owners = [owner for problem in problems for owner in problem.rigid.owners]
-    return RigidMotions(modes, elastic, largest, contacts, owners)
+    return RigidMotions(modes, springs, contacts, owners, largest)
 
 
 def pivots(motions: Floats) -> NDArray[np.intp]:
@@ -125,17 +133,6 @@ def pivots(motions: Floats) -> NDArray[np.intp]:
     if motions.shape[1] == 0:
         return np.zeros(0, dtype=np.intp)
     return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: motions.shape[1]]
-
-
-def spring_stiffness(modes: Floats, stiffness: sp.csr_matrix | Floats) -> tuple[Floats, float]:
-    """What the elastic forces resist the motions with, (motions, motions), and the largest stiffness of the unknowns.
-
-    The elastic energy of a rigid motion is zero but for rounding; what a spring adds is not.
-    """
-    largest = float(stiffness.diagonal().max(initial=0.0))
-    elastic = modes.T @ (stiffness @ modes)
-    elastic[np.abs(elastic) < 1e-10 * largest] = 0.0
-    return elastic, largest
 
 
 def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats]:
@@ -150,7 +147,7 @@ def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats
     return orthonormal(unknowns @ allowed, allowed)
 
 
-def orthonormal(modes: Floats, coefficients: Floats) -> tuple[Floats, Floats]:
-    """An orthonormal set with the same span, and its coefficients."""
+def orthonormal(modes: Floats, *combined: Floats) -> tuple[Floats, ...]:
+    """An orthonormal set with the same span, and other matrices (n, motions) combined in the same way."""
     q, r = np.linalg.qr(modes)
-    return q, coefficients @ np.linalg.inv(r)
+    return q, *(other @ np.linalg.inv(r) for other in combined)

@@ -7,27 +7,38 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .body import Body
 from .contact import Contact
 from .errors import one_of
 from .interface import Interface, discretise
-from .subproblem import CondensedSubproblem, Subproblem
+from .memory import body_unknowns, cheapest_solver, refuse_if_too_large
+from .multigrid import MultigridSubproblem
+from .parameter import Parameter, parameters
+from .ranks import Ranks
+from .subproblem import CondensedSubproblem, RemoteSubproblem, Subproblem
 
 Floats = NDArray[np.float64]
 
-LOCAL_SOLVERS = ("condensed", "assembled")
+LOCAL_SOLVERS = ("auto", "condensed", "assembled", "multigrid")
 
 
 class Scene:
-    """Bodies and contacts. What does not change between solves is made when first needed and kept."""
+    """Bodies and contacts. What does not change between solves is made when first needed and kept.
 
-    def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact]) -> None:
+    comm: the MPI ranks that share the bodies' work, by default this one alone. All of them have to make the same scene
+    and the same solves; every rank then has the whole solution.
+    """
+
+    def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact], comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.bodies = tuple(bodies)
         self.contacts = tuple(contacts)
         self._check()
-        self._subproblems: dict[str, list[Subproblem]] = {}
+        self.ranks = Ranks(comm, [body_unknowns(body) for body in self.bodies])
+        self._subproblems: dict[tuple[str, int], Subproblem] = {}
+        self._read = self._parameter_values()
 
     def __repr__(self) -> str:
         lines = [f"Scene of {len(self.bodies)} bodies and {len(self.contacts)} contacts"]
@@ -40,15 +51,73 @@ class Scene:
         return [discretise(c, (places[id(c.sides[0][0])], places[id(c.sides[1][0])])) for c in self.contacts]
 
     def subproblems(self, local_solver: str) -> list[Subproblem]:
-        """Every body's linear problem, in order, "assembled" or "condensed"."""
+        """Every body's linear problem, in order.
+
+        local_solver: "condensed", "assembled", "multigrid", or "auto": condensed unless a body is too large for it.
+        """
         one_of("local_solver", local_solver, LOCAL_SOLVERS)
-        if local_solver not in self._subproblems:
-            if local_solver == "assembled":
-                made = [Subproblem(body, place, self.interfaces) for place, body in enumerate(self.bodies)]
+        if self._parameter_values() != self._read:
+            self.refresh()
+        kinds = [local_solver if local_solver != "auto" else cheapest_solver(body) for body in self.bodies]
+        kinds = self.ranks.agree(kinds)
+        if not self.ranks.alone:
+            self._exchange(kinds)
+        return [self._subproblem(kind, place) for place, kind in enumerate(kinds)]
+
+    def _exchange(self, kinds: Sequence[str]) -> None:
+        """Make the condensed problems, each on the rank that owns its body, and tell the others what they need."""
+        missing = [kind == "condensed" and (kind, place) not in self._subproblems for place, kind in enumerate(kinds)]
+        if not any(self.ranks.comm.allgather(any(missing))):
+            return
+        made = self.ranks.each(
+            lambda place: self._subproblem("condensed", place).shared() if kinds[place] == "condensed" else None
+        )
+        for place, shared in enumerate(made):
+            if shared is not None and not self.ranks.owns(place):
+                problem = RemoteSubproblem(self.bodies[place], place, self.interfaces, shared)
+                self._subproblems["condensed", place] = problem
+
+    def _subproblem(self, kind: str, place: int) -> Subproblem:
+        """One body's linear problem, made when first asked for."""
+        if (kind, place) not in self._subproblems:
+            body = self.bodies[place]
+            if kind != "multigrid":
+                refuse_if_too_large(body)
+            if kind == "condensed":
+                made: Subproblem = CondensedSubproblem(self._subproblem("assembled", place), self.ranks.team(place))
             else:
-                made = [CondensedSubproblem(problem) for problem in self.subproblems("assembled")]
-            self._subproblems[local_solver] = made
-        return self._subproblems[local_solver]
+                made = (Subproblem if kind == "assembled" else MultigridSubproblem)(body, place, self.interfaces)
+            self._subproblems[kind, place] = made
+        return self._subproblems[kind, place]
+
+    def refresh(self) -> None:
+        """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.
+
+        A solve does it by itself when a `Parameter` of the scene has another value than before. Only a function that
+        changed in another way has to be told of.
+        """
+        self._read = self._parameter_values()
+        if "interfaces" in vars(self):
+            self.interfaces = [i.refreshed(c) for i, c in zip(self.interfaces, self.contacts, strict=True)]
+        old, self._subproblems = self._subproblems, {}
+        for (kind, place), problem in sorted(old.items(), key=lambda item: item[0][0]):  # "assembled" comes first
+            if isinstance(problem, RemoteSubproblem):
+                continue  # its owner will tell
+            if isinstance(problem, CondensedSubproblem):
+                self._subproblems[kind, place] = problem.refreshed_for(self._subproblems["assembled", place])
+            else:
+                self._subproblems[kind, place] = problem.refreshed()
+
+    def follows(self, parameter: Parameter) -> bool:
+        """Whether any load, prescribed displacement or gap of the scene follows the parameter."""
+        return any(parameter is other for other in self._parameters())
+
+    def _parameters(self) -> list[Parameter]:
+        items = [item for body in self.bodies for item in (*body.loads, *body.supports)] + list(self.contacts)
+        return [parameter for item in items for parameter in parameters(vars(item).values())]
+
+    def _parameter_values(self) -> list[bytes]:
+        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters()]
 
     def gaps(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats]) -> list[Floats]:
         """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
@@ -96,6 +165,8 @@ class Scene:
         for body, surface in contact.sides:
             if not any(body is other for other in self.bodies):
                 raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
+            if body.kinematics.ring != contact.sides[0][0].kinematics.ring:
+                raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
             for facet in body.mesh.facets(surface):
                 key = (id(body), int(facet))
                 if key in used:

@@ -17,6 +17,8 @@ Indices = NDArray[np.intp]
 
 #: Overlaps smaller than this part of the smaller facet are rounding, not contact.
 NEGLIGIBLE = 1e-12
+#: Corners of an overlap closer than this, relative to the smaller facet's size, are one.
+MERGED = 1e-11
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,7 @@ def segments(first: Floats, second: Floats, normal: Floats, points: Floats, weig
     # The determinant is the area per unit of the reference simplex, which is what quadrature weights refer to.
     area = np.abs(np.linalg.det(edges))
     pair = np.repeat(pair, len(weights))
-    line = middle[pair] + np.einsum("pk,pki->pi", across.reshape(len(pair), -1), axes[pair])
+    line = middle[pair] + np.einsum("pk,pki->pi", across.reshape(-1, points.shape[1]), axes[pair])
     return Segments(pair, line, (area[:, None] * weights).ravel())
 
 
@@ -94,7 +96,7 @@ def _overlaps_of_polygons(first: Floats, second: Floats) -> tuple[Indices, Float
     pair = np.flatnonzero(boxes.all(axis=1))
     first, second = first[pair], second[pair]
     smaller = np.minimum(_areas(first), _areas(second))
-    polygon, count = _clip(first, second)
+    polygon, count = _without_rounding(*_clip(first, second), smaller)
     centre = polygon.sum(axis=1) / np.maximum(count, 1)[:, None]
     places = np.arange(polygon.shape[1])
     following = np.where(places + 1 < count[:, None], places + 1, 0)
@@ -134,6 +136,28 @@ def _clip(polygons: Floats, windows: Floats) -> tuple[Floats, Indices]:
         polygon = np.take_along_axis(corners, order[:, :, None], axis=1)
         polygon[np.arange(polygon.shape[1]) >= count[:, None]] = 0.0
     return polygon, count
+
+
+def _without_rounding(polygons: Floats, count: Indices, areas: Floats) -> tuple[Floats, Indices]:
+    """The polygons without corners that only rounding has made: doubled ones, then those in the middle of an edge.
+
+    Where edges of both surfaces lie on each other it is chance whether such corners appear. areas: (n,) to compare to.
+    """
+    places = np.arange(polygons.shape[1])
+    for doubled in (True, False):
+        following = np.where(places + 1 < count[:, None], places + 1, 0)
+        ends = np.take_along_axis(polygons, following[:, :, None], axis=1)
+        if doubled:
+            kept = np.linalg.norm(ends - polygons, axis=2) > MERGED * np.sqrt(areas)[:, None]
+        else:
+            preceding = np.where(places > 0, places - 1, np.maximum(count, 1)[:, None] - 1)
+            starts = np.take_along_axis(polygons, preceding[:, :, None], axis=1)
+            kept = _areas(np.stack([starts, polygons, ends], axis=2)) > NEGLIGIBLE * areas[:, None]
+        kept &= places < count[:, None]
+        order = np.argsort(~kept, axis=1, kind="stable")
+        polygons, count = np.take_along_axis(polygons, order[:, :, None], axis=1), kept.sum(axis=1)
+        polygons[places >= count[:, None]] = 0.0
+    return polygons, count
 
 
 def _counter_clockwise(polygons: Floats) -> Floats:

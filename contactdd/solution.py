@@ -8,21 +8,22 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import basix.ufl
 import numpy as np
-import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
 from . import compat
 from .body import Body
 from .contact import Contact
+from .field import inner_element
 from .history import History
 from .interface import Interface, discretise
 
 if TYPE_CHECKING:
     from .scene import Scene
     from .start import State
-    from .subproblem import Subproblem
+    from .subproblem import Fields, Subproblem
 
 Floats = NDArray[np.float64]
 STRESSES = ("xx", "yy", "zz", "yz", "xz", "xy")
@@ -52,7 +53,7 @@ class ContactResult:
 
     @property
     def force(self) -> float:
-        """∫ p ds: per unit thickness in the plane."""
+        """∫ p ds: per unit thickness in the plane, of the full ring between bodies of revolution."""
         return float(self.weights @ self.pressure)
 
     @property
@@ -61,7 +62,13 @@ class ContactResult:
         return float(self.weights[self.closed].sum())
 
     def __repr__(self) -> str:
-        return f"ContactResult({len(self.x)} points, peak pressure {self.pressure.max():.6g}, force {self.force:.6g})"
+        alone = "".join(
+            f", {area:.6g} of the {which} surface without a partner"
+            for which, area in zip(("first", "second"), self.unmatched, strict=True)
+            if area > 0.0
+        )
+        peak = self.pressure.max()
+        return f"ContactResult({len(self.x)} points, peak pressure {peak:.6g}, force {self.force:.6g}{alone})"
 
 
 class Solution:
@@ -83,7 +90,10 @@ class Solution:
     ) -> None:
         self.scene, self.history, self.status, self.reason, self.method = scene, history, status, reason, method
         self._problems, self._state = problems, state
+        self._interfaces = scene.interfaces  # as they are now: a parameter may change the scene's later
         self._displacements: dict[str, fem.Function] = {}
+        if not scene.ranks.alone:
+            _ = self._fields  # while all ranks are here: later some may ask and others not
 
     @property
     def converged(self) -> bool:
@@ -99,19 +109,20 @@ class Solution:
         name = self.scene.bodies[place].name
         if name not in self._displacements:
             function = fem.Function(self.scene.bodies[place].space, name="displacement")
-            function.x.array[:] = self._problems[place].displacement(self._state.unknowns[place])
+            function.x.array[:] = self._fields[place].displacement
             self._displacements[name] = function
         return self._displacements[name]
 
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
         index = self._contact_index(contact)
-        interface, gaps = self.scene.interfaces[index], self._state.gaps[index]
+        interface, gaps = self._interfaces[index], self._state.gaps[index]
         if degree is not None:
             interface = self._resampled(index, degree)
             gaps = interface.gap.copy()
             for side in interface.sides:
-                gaps -= side.trace @ self.displacement(self.scene.bodies[side.body]).x.array
+                seen = self._problems[side.body].seen(self._state.unknowns[side.body], side.trace)
+                gaps -= side.trace @ self._fields[side.body].displacement if seen is None else seen
         stress = interface.contact.layer.contact_stress(gaps)
         compression = np.minimum(gaps, 0.0)
         return ContactResult(
@@ -119,12 +130,10 @@ class Solution:
         )
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
-        """½ a(u, u) of a body, or of all of them."""
+        """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it."""
         if body is None:
             return sum(self.elastic_energy(each) for each in self.scene.bodies)
-        place = self._place(body)
-        u = self._problems[place].displacement(self._state.deformations[place])
-        return float(0.5 * u @ (self._problems[place].full_stiffness @ u))
+        return self._fields[self._place(body)].elastic_energy
 
     @property
     def layer_energy(self) -> float:
@@ -138,28 +147,34 @@ class Solution:
         return sum(p.energy(y, e) for p, y, e in parts) + self.layer_energy
 
     def stress(self, body: str | Body) -> fem.Function:
-        """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells."""
+        """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
+
+        In a body of revolution x is the radius, y the axis and z the hoop direction.
+        """
         owner = self.scene.bodies[self._place(body)]
         degree = max(owner.degree - 1, 0)
-        space = fem.functionspace(owner.mesh.domain, ("Discontinuous Lagrange", degree, (6,)))
-        matrix = fem.Constant(owner.mesh.domain, owner.kinematics.full_stress(owner.material.stiffness()))
+        element = inner_element(owner.mesh.domain, degree)
+        space = fem.functionspace(owner.mesh.domain, basix.ufl.blocked_element(element, shape=(6,)))
+        matrix = owner.material_coefficient(owner.kinematics.full_stress, element)
         strain = owner.kinematics.strain(self.displacement(owner))
-        expression = fem.Expression(ufl.dot(matrix, strain), compat.expression_points(space.element))
+        expression = fem.Expression(matrix * strain, compat.expression_points(space.element))
         function = fem.Function(space, name="stress")
         function.interpolate(expression)
         return function
 
     def forces(self, body: str | Body) -> dict[str, Floats]:
-        """The resultants on a body, each (dim,): "loads", "contact" and "supports" (reactions); they sum to zero."""
+        """The resultants on a body, each (dim,): "loads", "contact" and "supports" (reactions and springs).
+
+        They sum to zero. In a body of revolution they are those of the full ring, on which radial forces sum to zero.
+        """
         place = self._place(body)
-        problem, dim = self._problems[place], self.scene.bodies[place].mesh.dim
-        loads = problem.full_load
-        contact = self._contact_load(place)
-        supports = self._elastic_forces(place) - loads - contact
+        problem, owner = self._problems[place], self.scene.bodies[place]
+        loads, contact, fields = problem.full_load, self._contact_load(place), self._fields[place]
+        supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
-        supports = supports - problem.basis @ (problem.basis.T @ supports)
+        supports = supports - problem.basis @ (problem.basis.T @ supports) - fields.spring_forces
         parts = {"loads": loads, "contact": contact, "supports": supports}
-        return {name: vector.reshape(-1, dim).sum(axis=0) for name, vector in parts.items()}
+        return {name: owner.kinematics.resultant(v.reshape(-1, owner.mesh.dim)) for name, v in parts.items()}
 
     @cached_property
     def imbalance(self) -> float:
@@ -176,7 +191,7 @@ class Solution:
         """‖F₁'(u)‖ over all free displacements relative to the loads and contact forces, found from the fields anew."""
         total = scale = 0.0
         for place, problem in enumerate(self._problems):
-            contact, elastic = self._contact_load(place), self._elastic_forces(place)
+            contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
             total += float(np.sum((problem.basis.T @ (problem.full_load + contact - elastic)) ** 2))
             scale += float(problem.full_load @ problem.full_load + contact @ contact)
         return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
@@ -222,10 +237,13 @@ class Solution:
         head = "<tr><th>contact</th><th>peak pressure</th><th>force</th><th>area in contact</th></tr>"
         return f"<p><b>{self.status}</b>: {self.reason} ({self.method})</p><table>{head}{rows}</table>"
 
-    def _elastic_forces(self, place: int) -> Floats:
-        """a(u, ·) for every degree of freedom; of the deformation only, see `State`."""
-        problem = self._problems[place]
-        return problem.full_stiffness @ problem.displacement(self._state.deformations[place])
+    @cached_property
+    def _fields(self) -> list[Fields]:
+        """The bodies' solutions; the insides are recovered when first asked for."""
+        state = self._state
+        return self.scene.ranks.each(
+            lambda place: self._problems[place].fields(state.unknowns[place], state.deformations[place])
+        )
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
@@ -237,7 +255,7 @@ class Solution:
 
     def _resampled(self, index: int, degree: int) -> Interface:
         """The contact at Gauss points of another degree."""
-        contact, places = self.scene.contacts[index], [side.body for side in self.scene.interfaces[index].sides]
+        contact, places = self._interfaces[index].contact, [side.body for side in self._interfaces[index].sides]
         return discretise(contact.resampled(degree), (places[0], places[1]))
 
     def _place(self, body: str | Body) -> int:
@@ -248,7 +266,7 @@ class Solution:
 
     def _contact_index(self, contact: str | int | Contact) -> int:
         for index, other in enumerate(self.scene.contacts):
-            if other is contact or contact in (index, other.name):
+            if contact in (other, index, other.name):
                 return index
         known = ", ".join(repr(other.name) for other in self.scene.contacts)
         raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")

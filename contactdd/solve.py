@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import itertools
+import math
+import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 
 from . import start as starts
+from .checkpoint import Keeper, read
 from .errors import NoEquilibriumError, NotConvergedError, one_of, positive
 from .history import Record
 from .iteration import Rule, Run
@@ -31,10 +35,14 @@ def solve(
     max_iterations: int = 5000,
     start: starts.Given | Solution | None = None,
     previous: starts.Given | None = None,
-    local_solver: str = "condensed",
+    local_solver: str = "auto",
     callback: Callable[[Record], bool | None] | None = None,
     progress: bool | None = None,
     on_failure: str = "raise",
+    checkpoint: str | Path | None = None,
+    checkpoint_every: float = 30.0,
+    resume: bool = False,
+    time_limit: float | None = None,
 ) -> Solution:
     """Solve the contact problem (15) of a scene.
 
@@ -47,26 +55,39 @@ def solve(
     tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
     start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution` to
-        go on from. By default the decomposed methods start from closed contacts, the others from no displacement.
+        go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by the
+        mean load, the others from no displacement.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
-    local_solver: "condensed" (each body seen from its contacts) or "assembled" (reassemble and refactor every time).
+    local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
+        "multigrid" (nothing is factored, for large solids), or "auto".
     callback: called with each iteration's `Record`; the run ends when it returns True.
     progress: show a progress bar; by default when somebody watches.
     on_failure: "raise", or "return" the solution with its status.
+    checkpoint: a file that keeps the state: written every `checkpoint_every` seconds, at the end and when the run is
+        interrupted; resume: go on from that file, to the same digits, if it is there.
+    time_limit: seconds after which the run stops with the status "stopped".
 
-    Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none.
+    Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
+    CheckpointError for a checkpoint that is damaged or of another run.
     """
     scheme = find_scheme(method)
     one_of("on_failure", on_failure, ("raise", "return"))
     relaxation = _relaxation(gamma, scheme)
     rule = _rule(tolerance, criterion, max_iterations, scheme)
     problems = scene.subproblems(local_solver)
-    run = Run(scene, scheme, problems, _start(scene, problems, scheme, start, previous))
-    with Progress(progress, rule.tolerance, rule.criterion) as bar:
+    if checkpoint is not None and resume and Path(checkpoint).exists():
+        state, history, memory = read(checkpoint, scene, problems, scheme.name)
+        run = Run(scene, scheme, problems, state, history, memory)
+    else:
+        run = Run(scene, scheme, problems, _start(scene, problems, scheme, gamma, start, previous))
+    keeper = Keeper(checkpoint, positive("checkpoint_every", checkpoint_every), run)
+    with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
+        deadline = math.inf if time_limit is None else time.monotonic() + positive("time_limit", time_limit)
 
         def observe(record: Record) -> bool:
             bar.update(record)
-            return bool(callback is not None and callback(record))
+            keeper.update()
+            return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
     solution = Solution(scene, problems, run.state, run.history, ending.status, ending.reason, scheme.name)
@@ -104,6 +125,7 @@ def _start(
     scene: Scene,
     problems: Sequence[Subproblem],
     scheme: Scheme,
+    gamma: Gamma | None,
     start: starts.Given | Solution | None,
     previous: starts.Given | None,
 ) -> starts.State:
@@ -112,4 +134,6 @@ def _start(
         return starts.from_solution(scene, problems, start)
     if start is not None:
         return starts.from_contacts(scene, problems, start, previous)
-    return starts.closed(scene, problems) if scheme.decomposed else starts.undeformed(scene, problems)
+    # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
+    guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
+    return starts.undeformed(scene, problems) if guarded else starts.closed(scene, problems)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from .coupled import CoupledSystem
 from .interface import Interface
+from .ranks import Ranks
 from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
@@ -36,14 +37,13 @@ class Step(Protocol):
 class Apart:
     """Every body on its own, eq. (22): nothing but φ and g⁻ at the contacts passes between them."""
 
-    def __init__(self, problems: Sequence[Subproblem]) -> None:
-        self._problems = problems
+    def __init__(self, problems: Sequence[Subproblem], ranks: Ranks) -> None:
+        self._problems, self._ranks = problems, ranks
         self.body_solves = 0
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
-        corrections = [p.correct(phi, r, scale) for p, r in zip(self._problems, residuals, strict=True)]
         self.body_solves += len(self._problems)
-        return corrections
+        return self._ranks.each(lambda place: self._problems[place].correct(phi, residuals[place], scale))
 
 
 class Direct:
@@ -71,8 +71,8 @@ class Krylov:
     #: How much closer the Krylov method has to bring each Newton correction.
     FORCING = 1e-4
 
-    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
-        self._problems, self._interfaces = problems, interfaces
+    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], ranks: Ranks) -> None:
+        self._problems, self._ranks = problems, ranks
         self._system = CoupledSystem(problems, interfaces, factored=False)
         self._ends = np.cumsum([problem.size for problem in problems])
         self.body_solves = 0
@@ -109,15 +109,17 @@ class Krylov:
         """(S + Φ)⁻¹ of every body, independently."""
         self.body_solves += len(self._problems)
         parts = np.split(vector, self._ends[:-1])
-        return np.concatenate([p.solve_held(phi, part) for p, part in zip(self._problems, parts, strict=True)])
+        return np.concatenate(self._ranks.each(lambda place: self._problems[place].solve_held(phi, parts[place])))
 
     def _coarse_space(self, phi: Phi) -> Floats:
         """Rigid motions and lowest modes, orthonormal, (all unknowns, modes)."""
-        blocks = []
-        for problem in self._problems:
+
+        def of(place: int) -> Floats:
+            problem = self._problems[place]
             modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
-            blocks.append(scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes)
-        return scipy.linalg.block_diag(*blocks)
+            return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
+
+        return scipy.linalg.block_diag(*self._ranks.each(of))
 
 
 def deflated_conjugate_gradients(

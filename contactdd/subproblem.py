@@ -8,23 +8,23 @@ displacement and reassembles and refactors its matrix at each step, the plain re
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-import ufl
-from dolfinx import fem
+from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from . import compat
 from .body import Body
-from .factor import Factor
+from .factor import Factor, SpreadFactor
+from .forms import load_vector, spring_matrix, stiffness_matrix
 from .interface import Interface, Side
-from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots, spring_stiffness
-from .support import affine_space
+from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
+from .support import affine_space, columns, within
 
 Floats = NDArray[np.float64]
 
@@ -44,37 +44,66 @@ class Port:
     robin_trace: sp.csr_matrix
 
 
+@dataclass(frozen=True)
+class Fields:
+    """A body's solution in all degrees of freedom.
+
+    displacement: (dofs,); elastic_forces: (dofs,) a(u, ·), of the deformation only, see `start.State`; spring_forces:
+    (dofs,) those of elastic foundations; elastic_energy: ½ a(u, u).
+    """
+
+    displacement: Floats
+    elastic_forces: Floats
+    spring_forces: Floats
+    elastic_energy: float
+
+
 class Subproblem:
     """a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n of one body, in the unknowns y of u = Z y + u₀."""
 
     def __init__(self, body: Body, place: int, interfaces: Sequence[Interface]) -> None:
         self.body = body
         self.basis, self.fixed = affine_space(body)
-        u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-        full = fem.assemble_matrix(compat.form(body.elastic_form(u, v))).to_scipy().tocsr()
-        load = body.load_form(v)
-        self.full_stiffness = full
-        self.full_load = np.zeros(full.shape[0]) if load is None else fem.assemble_vector(compat.form(load)).array
-        self.stiffness = (self.basis.T @ full @ self.basis).tocsr()
-        self.load = self.basis.T @ (self.full_load - full @ self.fixed)
-        self.constant = 0.5 * self.fixed @ (full @ self.fixed) - self.full_load @ self.fixed
-        self.ports = [
-            Port(
-                index,
-                side,
-                (side.trace @ self.basis).tocsr(),
-                side.trace @ self.fixed,
-                (side.surface.trace @ self.basis).tocsr(),
-            )
-            for index, interface in enumerate(interfaces)
-            for side in interface.sides
-            if side.body == place
-        ]
-        nodal = sp.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
-        self.nodal_trace, self.nodal_offset = (nodal @ self.basis).tocsr(), nodal @ self.fixed
+        self.full_springs = spring_matrix(body)
+        elastic = stiffness_matrix(body)
+        self.full_stiffness = (elastic + self.full_springs).tocsr() if self.full_springs.nnz else elastic
+        self.stiffness = within(self.basis, self.full_stiffness)
+        self.ports = ports(place, interfaces, self.basis, self.fixed)
+        self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
-        self.rigid = self._rigid_motions(*allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis))
+        motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
+        self.rigid = self._rigid_motions(*motions, self.basis.T @ (self.full_springs @ (self.basis @ motions[0])))
         self._factor: Factor | None = None
+
+    def refreshed(self) -> Subproblem:
+        """The same problem for the present loads and prescribed displacements; all matrices are shared."""
+        other = copy(self)
+        other.fixed = affine_space(self.body)[1]
+        other.ports = [replace(port, offset=port.side.trace @ other.fixed) for port in self.ports]
+        other._set_loads()
+        return other
+
+    def _set_loads(self) -> None:
+        """What follows from the loads and prescribed displacements."""
+        self.full_load = load_vector(self.body)
+        prescribed = self.full_stiffness @ self.fixed if np.any(self.fixed) else np.zeros_like(self.fixed)
+        self.load = self.basis.T @ (self.full_load - prescribed)
+        self.constant = float(0.5 * self.fixed @ prescribed - self.full_load @ self.fixed)
+
+    @cached_property
+    def nodal_trace(self) -> sp.csr_matrix:
+        """u_n at the nodes of all contact surfaces from the unknowns, but for `nodal_offset`."""
+        return columns(self._nodal, self.basis)
+
+    @property
+    def nodal_offset(self) -> Floats:
+        """u_n at the nodes of all contact surfaces of the prescribed displacements."""
+        return self._nodal @ self.fixed
+
+    @cached_property
+    def _nodal(self) -> sp.csr_matrix:
+        """u_n at the nodes of all contact surfaces, from all degrees of freedom."""
+        return sp.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
 
     @property
     def size(self) -> int:
@@ -117,6 +146,16 @@ class Subproblem:
         """All degrees of freedom of the displacement."""
         return self.basis @ y + self.fixed
 
+    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats | None:
+        """operator @ displacement(y) where the unknowns alone tell it, else None; operator: on all dofs."""
+        return operator @ (self.basis @ y + self.fixed)
+
+    def fields(self, y: Floats, deformation: Floats) -> Fields:
+        """What the solution tells of the body."""
+        u, deformed = self.displacement(y), self.displacement(deformation)
+        elastic = self.full_stiffness @ deformed
+        return Fields(u, elastic, self.full_springs @ u, 0.5 * float(deformed @ elastic))
+
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""
         return self.basis.T @ (u - self.fixed)
@@ -147,12 +186,12 @@ class Subproblem:
         values = self.stiffness.data.copy()
         for port in self.ports:
             surface = port.side.surface
-            term = surface.robin.matrix(surface.average @ (port.side.transfer @ phi[port.interface]))
-            term = (self.basis.T @ term @ self.basis).tocsr()
+            term = surface.robin.matrix(surface.mean(port.side.transfer @ phi[port.interface]))
+            term = within(self.basis, term)
             values[_places(self.stiffness, term)] += term.data
         return values
 
-    def _rigid_motions(self, modes: Floats, coefficients: Floats) -> RigidMotions:
+    def _rigid_motions(self, modes: Floats, coefficients: Floats, springs: Floats) -> RigidMotions:
         contacts = [
             Resistance(
                 port.interface,
@@ -162,7 +201,7 @@ class Subproblem:
             for port in self.ports
         ]
         owner = Owner(self.body.name, self.body.kinematics, coefficients)
-        return RigidMotions(modes, *spring_stiffness(modes, self.stiffness), contacts, [owner])
+        return RigidMotions(modes, springs, contacts, [owner], float(self.stiffness.diagonal().max(initial=0.0)))
 
 
 class CondensedSubproblem(Subproblem):
@@ -170,33 +209,84 @@ class CondensedSubproblem(Subproblem):
 
     The stiffness becomes the dense Schur complement S, a step costs one dense Cholesky factorisation of S + Φ, and
     the inside is recovered when the displacement is asked for.
+
+    comm: the ranks that eliminate the inside together; all of them have made the same inner problem.
     """
 
-    def __init__(self, inner: Subproblem) -> None:
-        self.body, self.basis, self.fixed = inner.body, inner.basis, inner.fixed
-        self.full_stiffness, self.full_load, self.constant = inner.full_stiffness, inner.full_load, inner.constant
-        self._inner = inner
+    def __init__(self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF) -> None:
+        self.body, self.basis = inner.body, inner.basis
+        self.full_stiffness, self.full_springs = inner.full_stiffness, inner.full_springs
         self.kept = _touched(inner)
         self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
-        self._inside = Factor(inner.stiffness, schur=self.kept)
+        alone = comm.size == 1
+        self._inside = Factor(inner.stiffness, self.kept) if alone else SpreadFactor(inner.stiffness, self.kept, comm)
         self.stiffness = self._inside.complement
-        inside = self._solve_inside(np.zeros(len(self.kept)))
-        self.load = (inner.load - inner.stiffness @ inside)[self.kept]
-        self.constant += float(0.5 * inside @ (inner.stiffness @ inside) - inner.load @ inside)
+        self._set_inner(inner)
+        self._keep_springs()
+        self._set_loads()
+
+    def refreshed_for(self, inner: Subproblem) -> CondensedSubproblem:
+        """The same condensed problem for `inner` with other loads and prescribed displacements."""
+        other = copy(self)
+        other._set_inner(inner)
+        other._set_loads()
+        return other
+
+    def _set_inner(self, inner: Subproblem) -> None:
+        self._inner = inner
+        self.fixed, self.full_load = inner.fixed, inner.full_load
         self.ports = [
             Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept]) for p in inner.ports
         ]
-        self.nodal_trace, self.nodal_offset = inner.nodal_trace[:, self.kept], inner.nodal_offset
-        motions = orthonormal(inner.rigid.modes[self.kept], inner.rigid.owners[0].coefficients)
-        self._balance(motions[0], inner.rigid.modes.T @ inner.load, inner.rigid.modes[self.kept])
-        self.rigid = self._rigid_motions(*motions)
-        self._robin = [_robin_map(port) for port in self.ports]
+
+    def _keep_springs(self) -> None:
+        """Find the rigid motions, and take the rounding of the elimination out of the elastic forces that they meet.
+
+        They must meet none but those of springs; else a floating body's forces balance only to the rounding of many
+        thousand sums, and soft springs are lost in it.
+        """
+        rigid = self._inner.rigid
+        springs = rigid.springs[self.kept]
+        if np.any(rigid.springs):
+            springs = springs - self._inner.stiffness[self.kept] @ self._inside_response(rigid.springs)
+        q, coefficients, springs = orthonormal(rigid.modes[self.kept], rigid.owners[0].coefficients, springs)
+        self.rigid = self._rigid_motions(q, coefficients, springs)
+        wrong = q.T @ self.stiffness - springs.T
+        self.stiffness = self.stiffness - q @ wrong - wrong.T @ q.T + q @ (wrong @ q) @ q.T
+
+    def _set_loads(self) -> None:
+        """The loads on the kept unknowns, their work on rigid motions to the last digit what it was on all of them."""
+        inner = self._inner
+        inside = self._inside_response(inner.load)
+        answer = inner.stiffness @ inside
+        self.load = (inner.load - answer)[self.kept]
+        self.constant = inner.constant + float(0.5 * inside @ answer - inner.load @ inside)
+        modes = inner.rigid.modes[self.kept]
+        if modes.shape[1] > 0:
+            work = inner.rigid.modes.T @ inner.load - inner.rigid.springs.T @ inside
+            self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
+
+    def shared(self) -> Shared:
+        """What other ranks need to know of the problem."""
+        motions = self.rigid.modes, self.rigid.owners[0].coefficients, self.rigid.springs
+        return self.kept, self.stiffness, self.load, self.constant, self.full_load, motions
 
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._solve_inside(y))
 
+    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats | None:
+        known, unknown = np.zeros(self.basis.shape[1]), np.ones(self.basis.shape[1])
+        known[self.kept], unknown[self.kept] = y, 0.0
+        if np.any((np.abs(self.basis) @ unknown)[operator.indices]):
+            return None
+        return super().seen(known, operator)
+
+    @cached_property
+    def nodal_trace(self) -> sp.csr_matrix:
+        return columns(self._nodal, self.basis)[:, self.kept]
+
     def restrict(self, u: Floats) -> Floats:
-        return self._inner.restrict(u)[self.kept]
+        return super().restrict(u)[self.kept]
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
         rows, values = [], []
@@ -210,6 +300,12 @@ class CondensedSubproblem(Subproblem):
         ground = pivots(self.rigid.modes @ self.rigid.free(phi))
         matrix[ground, ground] += self.rigid.largest
         return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
+
+    @cached_property
+    def _robin(self) -> list[tuple[NDArray[np.intp], sp.csr_matrix]]:
+        """Where the Robin terms stand in the matrix, and the operators from φ to their entries."""
+        maps = [product_map(port.robin_trace, port.side.surface.weights) for port in self.ports]
+        return [(places, (m @ port.side.transfer).tocsr()) for port, (places, m) in zip(self.ports, maps, strict=True)]
 
     def _system(self, phi: Mapping[int, Floats]) -> Floats:
         """S + Φ."""
@@ -226,27 +322,55 @@ class CondensedSubproblem(Subproblem):
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
         return solution
 
-    def _balance(self, motions: Floats, work: Floats, modes: Floats) -> None:
-        """Take the rounding of the elimination out of what the free rigid motions feel.
-
-        They must meet no elastic force, and the loads must do the work on them (motions,) that they did before; else
-        a floating body's forces balance only to the rounding of many thousand sums.
-        """
-        springs = motions.T @ self.stiffness @ motions
-        if motions.shape[1] == 0 or np.abs(springs).max() > 1e-10 * self.stiffness.diagonal().max():
-            return
-        felt = motions.T @ self.stiffness
-        self.stiffness = self.stiffness - motions @ felt - felt.T @ motions.T + motions @ (felt @ motions) @ motions.T
-        self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
-
     def _solve_inside(self, kept: Floats) -> Floats:
         """All unknowns of the inner problem: the given kept ones, the others in equilibrium with them."""
         y = np.zeros(self._inner.size)
         y[self.kept] = kept
-        rhs = self._inner.load - self._inner.stiffness @ y
+        return y + self._inside_response(self._inner.load - self._inner.stiffness @ y)
+
+    def _inside_response(self, forces: Floats) -> Floats:
+        """What forces (unknowns,) or (unknowns, n) move inside, the kept unknowns held."""
+        if forces.ndim == 2:
+            return np.column_stack([self._inside_response(force) for force in forces.T])
+        rhs, response = forces.copy(), np.zeros(len(forces))
         rhs[self.kept] = 0.0
-        y[self.eliminated] = self._inside.solve(rhs)[self.eliminated]
-        return y
+        response[self.eliminated] = self._inside.solve(rhs)[self.eliminated]
+        return response
+
+
+class RemoteSubproblem(CondensedSubproblem):
+    """A body that another rank holds, seen from its contacts: all of the condensed problem but the inside."""
+
+    def __init__(self, body: Body, place: int, interfaces: Sequence[Interface], shared: Shared) -> None:
+        self.body = body
+        self.basis, self.fixed = affine_space(body)
+        self.kept, self.stiffness, self.load, self.constant, self.full_load, motions = shared
+        self.ports = [
+            Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept])
+            for p in ports(place, interfaces, self.basis, self.fixed)
+        ]
+        self.rigid = self._rigid_motions(*motions)
+
+
+#: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
+#: energy, the load on all degrees of freedom, and the rigid motions with their coefficients and springs.
+Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
+
+
+def ports(place: int, interfaces: Sequence[Interface], basis: sp.csr_matrix, fixed: Floats) -> list[Port]:
+    """Where the interfaces meet the body at a place of the scene, in the unknowns of u = Z y + u₀."""
+    return [
+        Port(
+            index,
+            side,
+            columns(side.trace, basis),
+            side.trace @ fixed,
+            columns(side.surface.trace, basis),
+        )
+        for index, interface in enumerate(interfaces)
+        for side in interface.sides
+        if side.body == place
+    ]
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
@@ -270,18 +394,19 @@ def _hold(modes: Floats) -> bool:
     return len(singular) == modes.shape[1] and singular[-1] > 1e-8 * singular[0]
 
 
-def _robin_map(port: Port) -> tuple[NDArray[np.intp], sp.csr_matrix]:
-    """Where in the flattened matrix the Robin term stands, and the operator from φ to its entries there."""
-    trace = port.robin_trace.tocsr()
+def product_map(trace: sp.csr_matrix, weights: Floats) -> tuple[NDArray[np.intp], sp.csr_matrix]:
+    """Where the entries of traceᵀ diag(weights φ) trace stand in the flattened matrix, and the operator from φ to them.
+
+    For values that change in every step at places that never do.
+    """
     counts = np.diff(trace.indptr)
     point = np.repeat(np.arange(len(counts)), counts**2)
     start = np.repeat(trace.indptr[:-1], counts**2)
     local = np.arange(len(point)) - np.repeat(np.cumsum(counts**2) - counts**2, counts**2)
     i, j = start + local // counts[point], start + local % counts[point]
     places, entry = np.unique(trace.indices[i] * np.int64(trace.shape[1]) + trace.indices[j], return_inverse=True)
-    values = trace.data[i] * trace.data[j] * port.side.surface.weights[point]
-    weights = sp.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
-    return places, (weights @ port.side.transfer).tocsr()
+    values = trace.data[i] * trace.data[j] * weights[point]
+    return places, sp.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
 
 
 def _places(matrix: sp.csr_matrix, term: sp.csr_matrix) -> NDArray[np.intp]:

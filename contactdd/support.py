@@ -1,18 +1,22 @@
-"""Supports: which displacements are prescribed, and the affine space u = Z y + u₀ that this leaves to a body."""
+"""Supports: which displacements are prescribed, the affine space u = Z y + u₀ that this leaves to a body, springs."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
+import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from .field import Field, evaluate
-from .trace import facet_entities, facet_points
+from .errors import one_of, positive
+from .field import Field, coefficient, evaluate
+from .material import Number
+from .parameter import fixed_number
+from .trace import facet_points
 
 if TYPE_CHECKING:
     from .body import Body
@@ -57,7 +61,7 @@ class Symmetry:
 class Displacement:
     """Prescribed displacements on a named surface: one value per coordinate, None where it is free.
 
-    A value is a number or a function of the coordinates x (3, points).
+    A value is a number, a function of the coordinates x (3, points) or a `Parameter`.
     """
 
     surface: str
@@ -73,7 +77,55 @@ class Displacement:
                 yield nodes, axis, evaluate("displacement", value, x)
 
 
-Support = Fixed | Symmetry | Displacement
+@dataclass(frozen=True)
+class Spring:
+    """An elastic foundation on a named surface: it answers a displacement u with the traction −k u.
+
+    stiffness: k > 0 (stress / length), a number or a function of the coordinates x (3, points), nowhere negative;
+    direction: None (all directions alike), "normal", or the one direction (dim,) that it resists. A body that only
+    springs hold loses digits as they get softer than itself; at 1e-8 of its stiffness a solve no longer converges.
+    """
+
+    surface: str
+    stiffness: Number
+    direction: str | Sequence[float] | None = None
+
+    def __post_init__(self) -> None:
+        fixed_number("stiffness", self.stiffness)
+        if not callable(self.stiffness):
+            positive("stiffness", self.stiffness)
+        if isinstance(self.direction, str):
+            one_of("direction", self.direction, ("normal",))
+
+    def conditions(self, body: Body) -> Iterator[Condition]:
+        return iter(())
+
+    def form(self, body: Body, u: Any, v: Any) -> ufl.Form:
+        """∫ k u·v ds, or ∫ k (u·e)(v·e) ds along one direction e."""
+        value = self._values if callable(self.stiffness) else self.stiffness
+        k = coefficient("stiffness", value, body.mesh.domain, (), body.degree + 2)
+        if self.direction is None:
+            return body.over_surface(k * ufl.dot(u, v), self.surface)
+        e = ufl.FacetNormal(body.mesh.domain) if isinstance(self.direction, str) else self._direction(body)
+        return body.over_surface(k * ufl.dot(u, e) * ufl.dot(v, e), self.surface)
+
+    def _values(self, x: Floats) -> Floats:
+        values = evaluate("stiffness", self.stiffness, x)
+        if values.min() < -1e-12 * np.abs(values).max():  # coordinates that are zero but for rounding are
+            worst = int(np.argmin(values))
+            raise ValueError(f"stiffness = {values[worst]:g} at x = {x[:, worst]}: expected numbers >= 0")
+        return values
+
+    def _direction(self, body: Body) -> fem.Constant:
+        direction = np.asarray(self.direction, dtype=float)
+        if direction.shape != (body.mesh.dim,) or not 0.0 < np.linalg.norm(direction) < np.inf:
+            raise ValueError(
+                f"direction = {self.direction!r}: expected 'normal' or a vector of {body.mesh.dim} numbers"
+            )
+        return fem.Constant(body.mesh.domain, direction / np.linalg.norm(direction))
+
+
+Support = Fixed | Symmetry | Displacement | Spring
 
 
 def surface_nodes(body: Body, surface: str) -> NDArray[np.int32]:
@@ -99,8 +151,31 @@ def affine_space(body: Body) -> tuple[sp.csr_matrix, Floats]:
         else:
             for node, value in zip(where, values, strict=True):
                 tilted.setdefault(int(node), []).append((direction, float(value)))
+    _refuse_open_axis(body, fixed)
     blocks = {node: _node_space(body, fixed[node], offset[node], rows) for node, rows in tilted.items()}
     return _assemble(fixed, blocks), offset.ravel()
+
+
+def columns(matrix: sp.csr_matrix, basis: sp.csr_matrix) -> sp.csr_matrix:
+    """matrix @ Z."""
+    free = _selection(basis)
+    return (matrix @ basis).tocsr() if free is None else matrix[:, free]
+
+
+def within(basis: sp.csr_matrix, matrix: sp.csr_matrix) -> sp.csr_matrix:
+    """Zᵀ @ matrix @ Z."""
+    free = _selection(basis)
+    return (basis.T @ matrix @ basis).tocsr() if free is None else matrix[free][:, free]
+
+
+def _selection(basis: sp.csr_matrix) -> NDArray[np.intp] | None:
+    """The free degrees of freedom, where Z only selects them in order."""
+    rows = np.flatnonzero(np.diff(basis.indptr))
+    size = basis.shape[1]
+    selects = (
+        len(rows) == basis.nnz == size and np.array_equal(basis.indices, np.arange(size)) and np.all(basis.data == 1)
+    )
+    return rows if selects else None
 
 
 def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list[tuple[Floats, float]]) -> Floats:
@@ -118,6 +193,19 @@ def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list
 def _refuse_conflict(body: Body, conflict: NDArray[np.bool_]) -> None:
     if np.any(conflict):
         raise ValueError(f"supports of body {body.name!r}: two of them prescribe different displacements of one point")
+
+
+def _refuse_open_axis(body: Body, fixed: NDArray[np.bool_]) -> None:
+    """In a body of revolution u_r = 0 on the axis, else the hoop strain u_r/r has no finite energy."""
+    if body.kinematics.ring:
+        x = body.space.tabulate_dof_coordinates()
+        radius = float(x[:, 0].max())
+        loose = (np.abs(x[:, 0]) < 1e-10 * radius) & ~fixed[:, 0]  # file formats round coordinates
+        if np.any(loose):
+            raise ValueError(
+                f"supports of body {body.name!r}: it can open at {x[loose][0]} on the axis r = 0; expected "
+                "Symmetry(...) on its surface there"
+            )
 
 
 def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> sp.csr_matrix:
@@ -140,7 +228,7 @@ def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> sp.csr_mat
 
 def _plane_normal(body: Body, surface: str) -> Floats:
     """The outward normal of a flat surface; a curved one is refused."""
-    entities = facet_entities(body.mesh.domain, body.mesh.facets(surface))
+    entities = body.mesh.entities(surface)
     middle = np.full((len(entities), body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
     normals = facet_points(body.mesh.domain, entities, middle).normal
     mean = normals.mean(axis=0)

@@ -7,6 +7,7 @@ points of any boundary facets: every element, degree and dimension by the same l
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import basix
 import numpy as np
@@ -48,8 +49,8 @@ def facet_entities(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> NDArray[np.
 
 
 def facet_points(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> FacetPoints:
-    """The points of the facets `entities` (n, 2), one each, at the reference facet's coordinates `points` (n, dim - 1)."""
-    frame, local = _reference_facets(domain), entities[:, 1]
+    """One point on each of the facets `entities` (n, 2), at the reference facet's coordinates `points` (n, dim - 1)."""
+    frame, local = _reference_facets(compat.coordinate_map(domain).cell_type), entities[:, 1]
     reference = frame.to_cell(local, points)
     x, jacobian = _map(domain, entities[:, 0], reference)
     # Nanson's formula: the reference normal and area become J⁻ᵀN and |det J| |J⁻ᵀN|.
@@ -61,7 +62,7 @@ def facet_points(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats
 
 def facet_map(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> tuple[Floats, Floats]:
     """x (n, dim) and its derivatives (n, dim, dim − 1) by the reference facet's coordinates, one point per facet."""
-    frame, local = _reference_facets(domain), entities[:, 1]
+    frame, local = _reference_facets(compat.coordinate_map(domain).cell_type), entities[:, 1]
     x, jacobian = _map(domain, entities[:, 0], frame.to_cell(local, points))
     return x, np.matmul(jacobian, np.swapaxes(frame.axes[local], 1, 2))
 
@@ -113,10 +114,11 @@ class _ReferenceFacets:
         return self.origins[local] + np.einsum("pi,pij->pj", points, self.axes[local])
 
 
-def _reference_facets(domain: dmesh.Mesh) -> _ReferenceFacets:
-    cell = compat.coordinate_map(domain).cell_type
-    dim = domain.topology.dim
-    vertices, facets = basix.geometry(cell), basix.topology(cell)[dim - 1]
+@cache
+def _reference_facets(cell: basix.CellType) -> _ReferenceFacets:
+    vertices = np.asarray(basix.geometry(cell))
+    dim = vertices.shape[1]
+    facets = basix.topology(cell)[dim - 1]
     normals = np.asarray(basix.cell.facet_outward_normals(cell)).reshape(-1, dim)
     origins = np.array([vertices[facet[0]] for facet in facets])
     axes = np.array([[vertices[facet[1 + i]] - vertices[facet[0]] for i in range(dim - 1)] for facet in facets])
@@ -128,6 +130,8 @@ def _map(domain: dmesh.Mesh, cells: NDArray[np.int32], reference: Floats) -> tup
     """x (n, dim) and the Jacobian (n, dim, dim) at points of the reference cell, one per cell."""
     table = compat.coordinate_map(domain).tabulate(1, reference)[:, :, :, 0]
     nodes = domain.geometry.x[compat.geometry_dofmap(domain)[cells]][:, :, : domain.topology.dim]
+    # Seen from a corner of the cell, a small cell far from the origin loses no digits of its shape.
+    corner = nodes[:, :1]
     # One product for all: the derivatives by the dim reference coordinates, and the point itself.
-    mapped = np.matmul(np.swapaxes(nodes, 1, 2), np.ascontiguousarray(np.moveaxis(table, 0, 2)))
-    return mapped[:, :, 0], mapped[:, :, 1:]
+    mapped = np.matmul(np.swapaxes(nodes - corner, 1, 2), np.ascontiguousarray(np.moveaxis(table, 0, 2)))
+    return mapped[:, :, 0] + corner[:, 0], mapped[:, :, 1:]

@@ -2,6 +2,10 @@
 
 Partners x, x' lie on one line along their common normal n = (n_α − n_β)/|n_α − n_β|, and both bodies are seen along it
 with the same weights: action equals reaction, in force and in moment, and nothing tells the two surfaces apart.
+
+The law holds at every point of every segment, so a layer much stiffer than the facets (its stiffness times their size
+over E above about 10) asks for more than linear elements can give: the pressure then wavers from point to point around
+the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer than degree 1 with the same error.
 """
 
 from __future__ import annotations
@@ -33,7 +37,8 @@ class Partners:
     """n pairs of opposite points of two surfaces.
 
     points: both sides' x and x'; facets: both sides' facets, by their place in the surface; normal: (n, dim) the common
-    normal out of the first; weights: (n,) areas across it; segment: (n,) the segment that each pair belongs to.
+    normal out of the first; weights: (n,) areas across it, in bodies of revolution of the full ring; segment: (n,) the
+    segment that each pair belongs to.
     """
 
     points: tuple[FacetPoints, FacetPoints]
@@ -77,7 +82,7 @@ def matching(first: ContactSurface, second: ContactSurface, reach: float) -> Ind
     normal = first.points.normal.reshape(n, -1, dim)
     if np.any(np.sum(normal * second.points.normal.reshape(n, -1, dim)[facet], axis=2) > -np.cos(FACING)):
         return None
-    size = np.sqrt(first.weights.reshape(n, -1).sum(axis=1).max()) if dim == 3 else first.weights.sum() / n
+    size = np.sqrt(first.areas.reshape(n, -1).sum(axis=1).max()) if dim == 3 else first.areas.sum() / n
     if _offsets(first.corners, second.corners[facet], normal[:, :1]).min(axis=2).max() > 1e-6 * size:
         return None
     if first.rule.name == "facet":
@@ -149,7 +154,7 @@ def _opposite(
         if change < 1e-12:
             break
         normal = turned
-    weights = weights / np.sum(across * normal, axis=1)
+    weights = weights / np.sum(across * normal, axis=1) * sides[0].body.kinematics.weight(line.T)
     return Partners((points[0], points[1]), facets, normal, weights, segment)
 
 

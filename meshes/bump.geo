@@ -11,9 +11,9 @@ DefineConstant[
   coarse = {0.9, Name "Parameters/coarse"}
 ];
 
-Sphere(1) = {0, 0, -radius, radius};
+Sphere(1) = {0, 0, -radius, radius, 0, Pi / 2, Pi / 2}; // an eighth
 Box(2) = {0, 0, -rise - height, side, side, height};
-Box(3) = {0, 0, -rise, 2 * radius, 2 * radius, radius};
+Box(3) = {-radius, -radius, -rise, 3 * radius, 3 * radius, radius};
 BooleanIntersection(4) = { Volume{1}; Delete; }{ Volume{3}; Delete; };
 BooleanUnion(5) = { Volume{2}; Delete; }{ Volume{4}; Delete; };
 

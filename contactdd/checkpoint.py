@@ -1,0 +1,142 @@
+"""A state of a run as plain data, so that what was interrupted can go on to the same digits.
+
+The file is a NumPy .npz archive of arrays of numbers; the description stands in it as JSON. Nothing in it is executed
+on reading.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+import zipfile
+from collections.abc import Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .errors import CheckpointError
+from .history import History, Record
+from .start import State
+
+if TYPE_CHECKING:
+    from .iteration import Run
+    from .scene import Scene
+    from .subproblem import Subproblem
+
+FORMAT = "contactdd checkpoint"
+VERSION = 1
+
+
+class Keeper:
+    """Keeps a run's state in a file: at intervals, at the end and when the run is interrupted; None keeps nothing."""
+
+    def __init__(self, path: str | Path | None, interval: float, run: Run) -> None:
+        self._path, self._interval, self._run = path, interval, run
+        self._written = time.monotonic()
+
+    def __enter__(self) -> Keeper:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        if self._path is not None:
+            write(self._path, self._run)
+
+    def update(self) -> None:
+        """Write if it is time to."""
+        if self._path is not None and time.monotonic() - self._written >= self._interval:
+            write(self._path, self._run)
+            self._written = time.monotonic()
+
+
+def write(path: str | Path, run: Run) -> None:
+    """Write the state of a run.
+
+    The file appears whole or not at all: an interruption while writing leaves the last one.
+    """
+    path = Path(path)
+    header = _header(run.scene, run.problems, run.scheme.name)
+    arrays = {"header": np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)}
+    for name in _PARTS:
+        arrays |= {f"{name} {i}": part for i, part in enumerate(getattr(run.state, name))}
+    if run.anderson is not None:
+        arrays |= {f"memory {i}": part for i, part in enumerate(run.anderson.memory)}
+    records = [asdict(record) for record in run.history]
+    arrays["history"] = np.frombuffer(json.dumps(records).encode(), dtype=np.uint8)
+    partial = path.with_name(path.name + ".part")
+    with open(partial, "wb") as file:
+        np.savez(file, **arrays)
+        file.flush()
+        os.fsync(file.fileno())
+    os.replace(partial, path)
+
+
+def read(
+    path: str | Path, scene: Scene, problems: Sequence[Subproblem], method: str
+) -> tuple[State, History, list[np.ndarray]]:
+    """The state, the history and an accelerated method's memory.
+
+    Raises CheckpointError for a file that is damaged, is something else, or belongs to another scene or method.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise CheckpointError(f"checkpoint = {str(path)!r}: no such file")
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        found = _text(arrays["header"])
+        records = [Record(**entry) for entry in _text(arrays["history"])]
+    except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
+        raise CheckpointError(f"checkpoint = {str(path)!r}: damaged, or not a checkpoint ({error})") from error
+    expected = _header(scene, problems, method)
+    for key in expected:
+        if not isinstance(found, dict) or found.get(key) != expected[key]:
+            there = found.get(key) if isinstance(found, dict) else found
+            raise CheckpointError(f"checkpoint = {str(path)!r}: its {key} is {there!r}, expected {expected[key]!r}")
+    state = State(**{name: _parts(path, arrays, name, _sizes(scene, problems, name)) for name in _PARTS})
+    history = History()
+    for record in records:
+        history.append(record)
+    memory = [arrays[f"memory {i}"] for i in range(sum(name.startswith("memory ") for name in arrays))]
+    return state, history, memory
+
+
+_PARTS = tuple(field.name for field in fields(State))
+
+
+def _header(scene: Scene, problems: Sequence[Subproblem], method: str) -> dict[str, Any]:
+    """What a checkpoint must have in common with the run that goes on from it."""
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "method": method,
+        "bodies": [[problem.body.name, problem.size] for problem in problems],
+        "contacts": [
+            [contact.name, len(interface.weights)]
+            for contact, interface in zip(scene.contacts, scene.interfaces, strict=True)
+        ],
+    }
+
+
+def _text(array: np.ndarray) -> Any:
+    return json.loads(array.astype(np.uint8).tobytes().decode())
+
+
+def _sizes(scene: Scene, problems: Sequence[Subproblem], name: str) -> list[int]:
+    if "gaps" in name:
+        return [len(interface.weights) for interface in scene.interfaces]
+    return [problem.size for problem in problems]
+
+
+def _parts(path: Path, arrays: dict[str, np.ndarray], name: str, sizes: list[int]) -> list[np.ndarray]:
+    parts = []
+    for i, size in enumerate(sizes):
+        part = arrays.get(f"{name} {i}")
+        if part is None or part.dtype != np.float64 or part.shape != (size,) or not np.all(np.isfinite(part)):
+            raise CheckpointError(
+                f"checkpoint = {str(path)!r}: damaged, its {name} {i} should be {size} finite numbers"
+            )
+        parts.append(part)
+    return parts

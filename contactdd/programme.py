@@ -1,0 +1,114 @@
+"""Load programmes: a parameter runs through values, each solve starts where the one before ended."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import ContactError, NotConvergedError, one_of
+from .parameter import Parameter
+from .scene import Scene
+from .solution import Solution
+from .solve import solve
+
+Floats = NDArray[np.float64]
+
+
+@dataclass
+class Path:
+    """What a load programme went through.
+
+    values: the parameter's values that were solved for; solutions: one for each, unless they were not to be kept;
+    records: {name: array (steps, ...)} of what was recorded at each; status: "converged", or that of the step that
+    failed ("stalled", "diverged", ...); reason: in words; failed: the last state of that step.
+    """
+
+    values: list[Any] = field(default_factory=list)
+    solutions: list[Solution] = field(default_factory=list)
+    records: dict[str, Floats] = field(default_factory=dict)
+    status: str = "converged"
+    reason: str = ""
+    failed: Solution | None = None
+
+    @property
+    def converged(self) -> bool:
+        """Whether every step converged."""
+        return self.status == "converged"
+
+    def __len__(self) -> int:
+        return len(self.values)
+
+    def __repr__(self) -> str:
+        names = ", ".join(self.records) or "nothing"
+        return f"Path of {len(self)} steps: {self.status} ({self.reason}); recorded: {names}"
+
+
+class StepFailedError(ContactError):
+    """A load programme that a step ended early. Attribute: `path`, what was done before and the failed step."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(f"{path.status}: {path.reason}")
+        self.path = path
+
+
+def programme(
+    scene: Scene,
+    parameter: Parameter,
+    values: Iterable[ArrayLike],
+    *,
+    record: Mapping[str, Callable[[Solution], ArrayLike]] | None = None,
+    keep_solutions: bool = True,
+    on_failure: str = "raise",
+    start: float | Solution | None = None,
+    **solve_options: Any,
+) -> Path:
+    """Solve a scene for one value of a parameter after another, each step started from the one before.
+
+    record: {name: function of each step's `Solution`} to be kept as arrays; keep_solutions: whether to keep the
+    solutions too; on_failure: "raise" StepFailedError when a step does not converge, or "return" the path so far with
+    its status; start: of the first step; solve_options: of every `solve`. Afterwards the parameter has its last value.
+
+        q = cd.Parameter(0.0)
+        ... cd.Pressure("top", q) ...
+        path = cd.programme(scene, q, [1, 2, 5, 10], record={"force": lambda s: s.contact().force}, method="newton")
+    """
+    one_of("on_failure", on_failure, ("raise", "return"))
+    if not isinstance(parameter, Parameter):
+        raise TypeError(f"parameter = {parameter!r}: expected a cd.Parameter")
+    if not scene.follows(parameter):
+        raise ValueError(f"parameter = {parameter!r}: no load, support or gap of the scene follows it")
+    values, path, rows = list(values), Path(), {name: [] for name in record or {}}
+    for number, value in enumerate(values, 1):
+        parameter.value = value
+        try:
+            solution = _step(scene, start, solve_options)
+        except NotConvergedError as error:
+            path.status, path.failed = error.status, error.solution
+            path.reason = f"step {number} of {len(values)}, value {parameter.value}: {error.reason}"
+            break
+        start = solution
+        path.values.append(parameter.value)
+        for name, function in (record or {}).items():
+            rows[name].append(np.asarray(function(solution), dtype=float))
+        if keep_solutions:
+            path.solutions.append(solution)
+    else:
+        path.reason = f"{len(values)} steps"
+    path.records = {name: np.array(row) for name, row in rows.items()}
+    if not path.converged and on_failure == "raise":
+        raise StepFailedError(path)
+    return path
+
+
+def _step(scene: Scene, start: float | Solution | None, options: Mapping[str, Any]) -> Solution:
+    """One step; where the state before leads astray (an open contact holds nothing), the default start has a try."""
+    try:
+        return solve(scene, start=start, **options)
+    except NotConvergedError as error:
+        if error.status != "diverged" or not isinstance(start, Solution):
+            raise
+        return solve(scene, **options)

@@ -1,0 +1,236 @@
+"""The groove with NGSolve: Newton's method on both bodies together.
+
+One mesh, in which both bodies have displacements of their own that meet along the contact. Two ways to solve a step:
+"newton" assembles and factors everything every time, "pcg" does it once, with the contact closed, as the preconditioner
+of conjugate gradients. The unknowns inside the cells are condensed in both.
+"""
+
+from __future__ import annotations
+
+import ngsolve as ng
+import numpy as np
+from netgen.meshing import Mesh
+from ngsolve import ds, dx
+
+from .problem import (
+    DEPTH,
+    EXPONENT,
+    GROOVE,
+    HEIGHT,
+    LAME,
+    LOAD,
+    SHEAR,
+    SOFTNESS,
+    START,
+    TOLERANCE,
+    Answer,
+    Grid,
+    gap,
+    pressure,
+    stiffness,
+)
+
+MOST = 40
+
+
+def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
+    """The groove on triangles or quadrilaterals of that degree by "newton" or "pcg"."""
+    mesh = _mesh(grid, shape)
+    spaces = [ng.VectorH1(mesh, order=degree, definedon=body, dirichletx=f"{body}_side") for body in ("lower", "upper")]
+    bodies = [ng.Compress(each, each.FreeDofs()) for each in spaces]
+    space = bodies[0] * bodies[1]
+    (u1, u2), (v1, v2) = space.TnT()
+    closing, v_closing = u1[1] - u2[1], v1[1] - v2[1]
+    contact = ds("contact", bonus_intorder=2)
+
+    load = ng.LinearForm(LOAD * v1[1] * ds("bottom") - LOAD * v2[1] * ds("top")).Assemble()
+    state = ng.GridFunction(space)
+    state.components[1].Set(ng.CF((0, -START)))
+    z = _gap() - state.components[0][1] + state.components[1][1]
+    elastic = _stored(u1, v1) * dx("lower") + _stored(u2, v2) * dx("upper")
+    solve_step, residual = (_by_newton if way == "newton" else _by_pcg)(
+        space, elastic, closing, v_closing, z, contact, load, state
+    )
+    steps, scale = 0, ng.Norm(load.vec)
+    now = residual()
+    while ng.Norm(now) > TOLERANCE * scale:
+        steps += 1
+        if steps > MOST:
+            raise RuntimeError(f"no convergence in {MOST} steps")
+        correction = solve_step(now)
+        now = _advance(state.vec, correction, now, residual)
+    lower, upper = _contact_points(mesh, grid, shape)
+    values = gap(grid.points[0]) - state.components[0][1](lower).ravel() + state.components[1][1](upper).ravel()
+    return Answer(pressure(values), int(sum(space.FreeDofs())), steps)
+
+
+def _gap():
+    """d(x)."""
+    room = 1 - (ng.x / GROOVE) ** 2
+    return DEPTH * ng.IfPos(room, room, 0) ** 1.5
+
+
+def _stored(u, v):
+    e, f = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
+    return 2 * SHEAR * ng.InnerProduct(e, f) + LAME * ng.Trace(e) * ng.Trace(f)
+
+
+def _law(z):
+    """The pressure and the tangent."""
+    c = ng.IfPos(-z, -z, 1)
+    p = (c / SOFTNESS) ** (1 / EXPONENT)
+    return ng.IfPos(-z, p, 0), ng.IfPos(-z, p / (EXPONENT * c), 0)
+
+
+def _advance(vector, correction, before, residual):
+    """A full step or, where the energy would rise, one to where its slope vanishes; the residual there."""
+    downhill = ng.InnerProduct(before, correction)
+    t, low, high = 1.0, 0.0, 1.0
+    vector.data += correction
+    for _ in range(10):
+        now = residual()
+        slope = ng.InnerProduct(now, correction)
+        if abs(slope) <= 0.5 * downhill:
+            break
+        low, high = (t, high) if slope > 0 else (low, t)
+        if low == high:
+            break
+        new = 0.5 * (low + high)
+        vector.data += (new - t) * correction
+        t = new
+    return now
+
+
+def _by_newton(space, elastic, closing, v_closing, z, contact, load, state):
+    """Everything anew in each step."""
+    p, slope = _law(z)
+    free = space.FreeDofs(True)
+    project = ng.Projector(free, True)
+    now = state.components[0][1] - state.components[1][1]
+    force = ng.LinearForm((p - slope * now) * v_closing * contact)
+    tangent = ng.BilinearForm(elastic + slope * closing * v_closing * contact, symmetric=True, condense=True)
+
+    def residual():
+        tangent.Assemble()
+        force.Assemble()
+        right = state.vec.CreateVector()
+        right.data = load.vec - force.vec
+        right.data += tangent.harmonic_extension_trans * right
+        right.data -= tangent.mat * state.vec
+        project.Project(right)
+        return right
+
+    def solve_step(right):
+        correction = state.vec.CreateVector()
+        correction.data = tangent.mat.Inverse(free, "sparsecholesky") * right
+        return correction
+
+    return solve_step, residual
+
+
+def _by_pcg(space, elastic, closing, v_closing, z, contact, load, state):
+    """All but the contact once."""
+    p, slope = _law(z)
+    typical = float(stiffness(np.array(-START)))
+    fixed = ng.BilinearForm(elastic + typical * closing * v_closing * contact, symmetric=True, condense=True).Assemble()
+    free = space.FreeDofs(True)
+    project = ng.Projector(free, True)
+    inverse = fixed.mat.Inverse(free, "sparsecholesky")
+    now = state.components[0][1] - state.components[1][1]
+    force = ng.LinearForm((p - typical * now) * v_closing * contact)
+    change = ng.BilinearForm((slope - typical) * closing * v_closing * contact, symmetric=True, check_unused=False)
+    constant = load.vec.CreateVector()
+    constant.data = load.vec + fixed.harmonic_extension_trans * load.vec
+
+    def residual():
+        force.Assemble()
+        right = state.vec.CreateVector()
+        right.data = constant - force.vec - fixed.mat * state.vec
+        project.Project(right)
+        return right
+
+    def solve_step(right):
+        change.Assemble()
+        return _conjugate_gradients(fixed.mat + change.mat, inverse, project, right)
+
+    return solve_step, residual
+
+
+def _conjugate_gradients(matrix, inverse, project, right):
+    """The solution to a thousandth; the preconditioner is so good that this takes about seven steps."""
+    solution, residual = right.CreateVector(), right.CreateVector()
+    solution[:] = 0.0
+    residual.data = right
+    direction, preconditioned, image = (right.CreateVector() for _ in range(3))
+    preconditioned.data = inverse * residual
+    project.Project(preconditioned)
+    direction.data = preconditioned
+    square = first = ng.InnerProduct(residual, preconditioned)
+    for _ in range(200):
+        image.data = matrix * direction
+        length = square / ng.InnerProduct(direction, image)
+        solution.data += length * direction
+        residual.data -= length * image
+        project.Project(residual)
+        preconditioned.data = inverse * residual
+        project.Project(preconditioned)
+        square, before = ng.InnerProduct(residual, preconditioned), square
+        if square <= 1e-6 * first:
+            break
+        direction.data = preconditioned + (square / before) * direction
+    return solution
+
+
+def _mesh(grid: Grid, shape: str) -> ng.Mesh:
+    """Both bodies, with the contact's edges between them."""
+    y = np.concatenate([HEIGHT - grid.y[::-1], HEIGHT + grid.y[1:]])
+    nx, ny = len(grid.x) - 1, len(y) - 1
+    xy = np.stack(np.meshgrid(grid.x, y), axis=-1).reshape(-1, 2)
+    corner = (np.arange(ny)[:, None] * (nx + 1) + np.arange(nx)).ravel()
+    quads = corner[:, None] + [0, 1, nx + 2, nx + 1]
+    mesh = Mesh(dim=2)
+    mesh.AddPoints(np.column_stack([xy, np.zeros(len(xy))]))
+    for half, name in enumerate(("lower", "upper")):
+        cells = quads[half * len(quads) // 2 : (half + 1) * len(quads) // 2]
+        if shape == "triangle":
+            split = ([0, 1, 2], [0, 2, 3]) if half == 0 else ([0, 1, 3], [1, 2, 3])
+            cells = np.concatenate([cells[:, part] for part in split])
+        mesh.AddElements(
+            dim=2, index=mesh.AddRegion(name, dim=2), data=np.ascontiguousarray(cells, dtype=np.int32), base=0
+        )
+    node = np.arange(len(xy), dtype=np.int32).reshape(ny + 1, nx + 1)
+    middle = ny // 2
+    lines = {
+        "bottom": [node[0]],
+        "top": [node[-1]],
+        "contact": [node[middle]],
+        "lower_side": [node[: middle + 1, 0], node[: middle + 1, -1]],
+        "upper_side": [node[middle:, 0], node[middle:, -1]],
+    }
+    for name, chains in lines.items():
+        index = mesh.AddRegion(name, dim=1)
+        for chain in chains:
+            mesh.AddElements(
+                dim=1, index=index, data=np.ascontiguousarray(np.column_stack([chain[:-1], chain[1:]])), base=0
+            )
+    return ng.Mesh(mesh)
+
+
+def _contact_points(mesh: ng.Mesh, grid: Grid, shape: str) -> list[np.ndarray]:
+    """`Grid.points` as points of the cells below and above: a search would find either body's."""
+    nx, half = len(grid.x) - 1, mesh.ne // 2
+    per_facet = len(grid.points[0]) // nx
+    t = ((grid.points[0].reshape(nx, -1) - grid.x[:-1, None]) / np.diff(grid.x)[:, None]).ravel()
+    zero, one = np.zeros_like(t), np.ones_like(t)
+    if shape == "quadrilateral":
+        places = ((half - nx, t, one), (half, t, zero))
+    else:
+        # The last cells of the lower body are [0, 2, 3] of their squares, the first of the upper one [0, 1, 3].
+        places = ((half - nx, zero, t), (half, 1 - t, t))
+    found = []
+    for first, x, y in places:
+        points = mesh(grid.points[0], np.full(len(t), 0.5 * HEIGHT))
+        points["nr"] = first + np.repeat(np.arange(nx), per_facet)
+        points["x"], points["y"] = x, y
+        found.append(points)
+    return found

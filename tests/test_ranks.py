@@ -1,0 +1,110 @@
+"""The same answer on 1 to 5 ranks, also with several ranks for one body; an error of one rank ends all of them."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactdd as cd
+from contactdd.ranks import deal_out
+
+ROOT = Path(__file__).parents[1]
+
+SCENE = """
+import sys
+import numpy as np
+from mpi4py import MPI
+import contactdd as cd
+
+comm = MPI.COMM_WORLD
+steel = cd.Isotropic(E=2.1e5, nu=0.3)
+layer = cd.PowerLayer(B=4e-6, a=1.1)
+load = cd.Parameter(10.0)
+
+def block(i, n):
+    loads = [cd.Pressure("bottom", load)] if i == 0 else [cd.Pressure("top", load)] if i == 2 else []
+    mesh = cd.rectangle((0, i), (4, i + 1), (n, n // 2))
+    return cd.Body(f"block {i}", mesh, steel, supports=[cd.Symmetry("left", "right")], loads=loads)
+
+def groove(x):
+    return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
+
+bodies = [block(i, n) for i, n in enumerate((16, 24, 12))]
+contacts = [cd.Contact((a, "top"), (b, "bottom"), layer, gap=groove) for a, b in zip(bodies, bodies[1:])]
+scene = cd.Scene(bodies, contacts, comm=comm)
+"""
+
+SOLVE = """
+results = {}
+for method, solver in (("auto", "auto"), ("newton-krylov", "condensed"), ("anderson", "condensed"),
+                       ("auto", "multigrid"), ("anderson", "assembled")):
+    load.value = 10.0
+    solution = cd.solve(scene, method, local_solver=solver, tolerance=1e-11)
+    load.value = 20.0
+    again = cd.solve(scene, method, local_solver=solver, tolerance=1e-11, start=solution)
+    for name, run in (("first", solution), ("second", again)):
+        key = f"{method} {solver} {name}"
+        results[key + " pressure"] = np.concatenate([run.contact(i).pressure for i in range(2)])
+        u = run.displacement("block 1").x.array.reshape(-1, 2)
+        results[key + " displacement"] = u - u.mean(axis=0)  # nothing holds the whole stack in its place
+        results[key + " numbers"] = [run.elastic_energy(), run.layer_energy, run.iterations]
+        assert run.residual < 1e-10 and run.imbalance < 1e-10
+if comm.rank == 0:
+    np.savez(sys.argv[1], **results)
+"""
+
+
+def launch(ranks: int, code: str, *arguments: str, timeout: float = 120) -> subprocess.CompletedProcess:
+    mpirun = shutil.which("mpirun", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]))
+    env = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    if os.geteuid() == 0:
+        env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    env |= {"PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}  # more ranks than this machine has cores
+    command = [mpirun, "-n", str(ranks), sys.executable, "-c", code, *arguments]
+    return subprocess.run(command, env=env, timeout=timeout, capture_output=True, text=True)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    file = tmp_path_factory.mktemp("ranks") / "alone.npz"
+    done = launch(1, SCENE + SOLVE, str(file))
+    assert done.returncode == 0, done.stderr
+    with np.load(file) as content:
+        return dict(content)
+
+
+@pytest.mark.parametrize("ranks", [2, 3, 4, 5])
+def test_same_answer(alone, ranks, tmp_path):
+    file = tmp_path / "result.npz"
+    done = launch(ranks, SCENE + SOLVE, str(file))
+    assert done.returncode == 0, done.stderr
+    with np.load(file) as content:
+        for key, expected in alone.items():
+            # Every rank computes with the same numbers; 1e-10 is what the issue asks for.
+            np.testing.assert_allclose(content[key], expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max())
+
+
+def test_an_error_ends_all_ranks():
+    code = SCENE + 'bodies[1].supports += (cd.Displacement("left", (1.0, None)),)\ncd.solve(scene)'
+    done = launch(2, code, timeout=60)
+    assert done.returncode != 0
+    assert "prescribe different displacements" in done.stderr
+
+
+def test_bodies_are_dealt_out_by_size():
+    assert deal_out(1, [1.0, 2.0]) == [[0], [0]]
+    assert deal_out(2, [1.0, 5.0, 3.0, 1.0]) == [[1], [0], [1], [1]]
+    assert deal_out(5, [1.0, 5.0, 3.0]) == [[0], [1, 3], [2, 4]]
+
+
+def test_one_rank_holds_all():
+    bodies = [cd.Body(n, cd.rectangle((0, y), (1, y + 1), (2, 2)), cd.Isotropic(1, 0.3)) for y, n in enumerate("ab")]
+    scene = cd.Scene(bodies, [cd.Contact((bodies[0], "top"), (bodies[1], "bottom"), cd.LinearLayer(1.0))])
+    assert scene.ranks.alone
+    assert all(scene.ranks.owns(place) for place in range(2))
