@@ -47,6 +47,8 @@ class Rule:
     #: The residual may be this many times the change that the step would have made without its relaxation: over the
     #: whole of Table 1 it is up to 0.91; where the change is small for another reason it is many times as large.
     EXPLAINED = 2.0
+    #: Above this no residual is small, however small γ.
+    LARGE = 0.1
 
     def distance(self, residual: float, last: Record | None) -> float:
         """How far a run is from its goal, 1 at the goal: by its residual now and the change of its last iteration.
@@ -58,7 +60,8 @@ class Rule:
             return residual / self.tolerance
         if last is None:
             return np.inf
-        return max(last.change, residual * min(last.gamma, 1.0) / self.EXPLAINED) / self.tolerance
+        explained = min(self.EXPLAINED * self.tolerance / min(last.gamma, 1.0), self.LARGE)
+        return max(last.change / self.tolerance, residual / explained)
 
 
 @dataclass(frozen=True)

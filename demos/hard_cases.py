@@ -165,18 +165,19 @@ def locking() -> list[dict[str, float | str]]:
 
 def draw(outcomes: list[Outcome], path: str) -> None:
     """How many of the solvable scenes each method solves within a number of body solves."""
-    figure = Figure(figsize=(7, 4.6), layout="constrained")
+    figure = Figure(figsize=(9, 4.6), layout="constrained")
     axes = figure.subplots()
     count = len({outcome.scene for outcome in outcomes if outcome.solvable})
-    for name in METHODS:
+    for i, name in enumerate(METHODS):
         solves = sorted(o.body_solves for o in outcomes if o.method == name and o.status == "converged")
-        axes.step([1, *(max(n, 1) for n in solves)], range(len(solves) + 1), where="post", label=name)
+        steps, done = [1, *(max(n, 1) for n in solves)], range(len(solves) + 1)
+        axes.step(steps, done, where="post", label=name, color=f"C{i % 7}", linestyle="-" if i < 7 else "--")
     axes.axhline(count, color="black", linewidth=0.6)
     axes.set_xscale("log")
     axes.set_xlabel("solves of single bodies")
     axes.set_ylabel(f"scenes solved, of {count}")
-    axes.legend(frameon=False, fontsize=7, ncols=2)
-    figure.savefig(path, dpi=150)
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    figure.savefig(path, dpi=130)
 
 
 def main(arguments: list[str] | None = None) -> None:
