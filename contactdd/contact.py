@@ -46,8 +46,7 @@ class Contact:
                 raise TypeError(f"{side} = {value!r}: expected (body, surface name)")
             if len(value[0].mesh.facets(value[1])) == 0:
                 raise ValueError(f"{side}: surface {value[1]!r} of body {value[0].name!r} has no facets")
-        if not isinstance(layer, Layer):
-            raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
+        _refuse_no_layer(layer)
         one_of("quadrature", quadrature, RULES)
         if quadrature == "vertex" and first[0].kinematics.ring:
             raise ValueError(
@@ -69,6 +68,13 @@ class Contact:
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
 
+    def with_layer(self, layer: Layer) -> Contact:
+        """The same contact with another layer."""
+        _refuse_no_layer(layer)
+        other = copy(self)
+        other.layer = layer
+        return other
+
     def frozen(self) -> Contact:
         """The contact with the gap that it has now, whatever becomes of a parameter in it."""
         other = copy(self)
@@ -78,3 +84,8 @@ class Contact:
     def __repr__(self) -> str:
         zones = " and ".join(f"{body.name}.{surface}" for body, surface in self.sides)
         return f"Contact({self.name!r}: {zones}, {self.layer!r})"
+
+
+def _refuse_no_layer(layer: Layer) -> None:
+    if not isinstance(layer, Layer):
+        raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")

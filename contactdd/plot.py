@@ -12,6 +12,7 @@ import numpy as np
 from matplotlib.image import imsave
 from numpy.typing import NDArray
 
+from .field import evaluate
 from .solution import STRESSES
 
 if TYPE_CHECKING:
@@ -94,23 +95,39 @@ def plot_bodies(
     flat = solution.scene.bodies[0].mesh.dim == 2
     for grid in grids:
         warped = grid.warp_by_vector("drawn", factor=scale)
-        plotter.add_mesh(warped, scalars=name, clim=limits, cmap="viridis", scalar_bar_args=_bar_arguments(name))
+        # Light gives depth in space; in the plane it would only dull the colours.
+        shading = {"lighting": False} if flat else {"ambient": 0.4, "diffuse": 0.6}
+        bar = _bar_arguments(name)
+        plotter.add_mesh(warped, scalars=name, clim=limits, cmap="viridis", scalar_bar_args=bar, **shading)
         edges = warped.extract_feature_edges(manifold_edges=False, feature_edges=not flat)
         plotter.add_mesh(edges, color="black", line_width=2)
     plotter.add_text(
         title or f"displacements enlarged {scale:.3g} times", font_size=11, color="black", position="upper_edge"
     )
-    if flat:
-        plotter.view_xy()
-        plotter.camera.zoom(1.25)
-    else:
-        plotter.view_isometric()
+    _look(plotter, flat)
     pixels = plotter.screenshot(return_img=True)
     plotter.close()
     picture = Picture(np.asarray(pixels)[:, :, :3])
     if path is not None:
         picture.save(path)
     return picture
+
+
+def _look(plotter: Any, flat: bool) -> None:
+    """Let everything fit between the title and the scalar bar: from the front, or from the left front corner above."""
+    plotter.enable_parallel_projection()
+    if flat:
+        x0, x1, y0, y1, *_ = plotter.bounds
+        width, height = plotter.window_size
+        # The drawing gets seven tenths of the window's height and nine of its width.
+        half = max((y1 - y0) / 0.7, (x1 - x0) / 0.9 * height / width) / 2
+        plotter.view_xy()
+        plotter.camera.parallel_scale = half
+        focus = np.array([(x0 + x1) / 2, (y0 + y1) / 2 - 0.1 * half, 0.0])
+        plotter.camera.focal_point, plotter.camera.position = focus, focus + [0.0, 0.0, 10 * half]
+    else:
+        plotter.view_vector((-1.0, -1.6, 0.9), viewup=(0.0, 0.0, 1.0))
+        plotter.camera.zoom(0.85)
 
 
 def plot(solution: Solution) -> list[Any]:
@@ -174,7 +191,9 @@ def _given_shape(solution: Solution, body: Body, points: NDArray[np.float64]) ->
         normal = interface.normal[nearest]
         depth = np.sum((interface.x[nearest] - points[:, :dim]) * normal, axis=1)
         fade = 1.0 - np.clip(depth / max(float(depth.max()), np.finfo(float).tiny), 0.0, 1.0)
-        shift[:, :dim] -= (fade * interface.shape[nearest])[:, None] * normal
+        above = points[:, :dim] + depth[:, None] * normal  # on the contact, where the gap is given
+        shape = evaluate("gap", interface.contact.gap, above.T)
+        shift[:, :dim] -= (fade * shape)[:, None] * normal
     return shift
 
 

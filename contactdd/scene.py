@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from copy import copy
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +16,7 @@ from .body import Body
 from .contact import Contact
 from .errors import one_of
 from .interface import Interface, discretise
+from .layer import Layer
 from .memory import body_unknowns, cheapest_solver, refuse_if_too_large
 from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
@@ -107,6 +110,23 @@ class Scene:
                 self._subproblems[kind, place] = problem.refreshed_for(self._subproblems["assembled", place])
             else:
                 self._subproblems[kind, place] = problem.refreshed()
+
+    def with_layer(self, layer: Layer, contact: str | None = None) -> Scene:
+        """The same scene with another layer in a contact, by its name, or in all of them.
+
+        Everything that does not depend on the layer is shared: a sweep over layers costs the interfaces only.
+        """
+        names = [other.name for other in self.contacts]
+        if contact is not None and contact not in names:
+            raise ValueError(f"contact = {contact!r}: expected one of {', '.join(map(repr, names))}")
+        other = copy(self)
+        other.contacts = tuple(c.with_layer(layer) if contact in (None, c.name) else c for c in self.contacts)
+        other.interfaces = [
+            replace(interface, contact=interface.contact.with_layer(c.layer))
+            for interface, c in zip(self.interfaces, other.contacts, strict=True)
+        ]
+        other._subproblems = dict(self._subproblems)
+        return other
 
     def follows(self, parameter: Parameter) -> bool:
         """Whether any load, prescribed displacement or gap of the scene follows the parameter."""

@@ -76,8 +76,8 @@ def test_rest_is_the_mesh():
 
 
 def test_pressure():
-    # A layer as good as rigid is a penalty: displacements are right, but p = k z magnifies their smallest waves. This one
-    # still yields only 2e-7 under the load, a 2500th of the groove's depth.
+    # A layer as good as rigid is a penalty: displacements are right, but p = k z magnifies their smallest waves. This
+    # one still yields only 2e-7 under the load, a 2500th of the groove's depth.
     x, _, p = solve(20.0, refine=2, stiffness=1e8)
     # Within a cell of the edge of contact, and of the groove's rim, the pressure has a root; elsewhere it is smooth.
     smooth = (np.abs(x - EXACT.open_half_width) > 0.1) & (np.abs(x - B) > 0.1) & (x < 3)

@@ -77,9 +77,9 @@ def test_resultant_carries_its_force_on_a_curved_face():
     points = np.array([[0, 0], [1, 0], [0, 1], [0.7, 0.7], [0, 0.5], [0.5, 0.0]])  # P2: the hypotenuse bulges
     domain = dmesh.create_mesh(
         MPI.COMM_SELF,
-        np.arange(6)[None],
-        points,
-        basix.ufl.element("Lagrange", "triangle", 2, shape=(2,)),
+        cells=np.arange(6)[None],
+        x=points,
+        e=basix.ufl.element("Lagrange", "triangle", 2, shape=(2,)),
     )
     mesh = cd.from_dolfinx(domain, arc=lambda x: (x[0] > 1e-9) & (x[1] > 1e-9) | np.isclose(x[0] + x[1], 1.0))
     body = cd.Body("b", mesh, STEEL, loads=[cd.Resultant("arc", (2.0, -5.0))], degree=2)
