@@ -161,7 +161,8 @@ class Run:
         if self.anderson is None:
             steps = [length * delta for delta in corrections]
         else:
-            steps, note = self._accelerated(corrections, residuals, length, energy)
+            steps, restart = self._accelerated(corrections, residuals, length, energy)
+            note = ", ".join(filter(None, (note, restart)))
         contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
         self.state = self._moved(self.scene.ranks.agree(steps))
         return Record(

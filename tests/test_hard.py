@@ -78,7 +78,7 @@ def test_small_steps_are_not_convergence(gamma):
 @pytest.mark.parametrize("name", ["stack of 4", "load 1e-06 times", "wedge: a corner on a flat", "a = 0.5"])
 @pytest.mark.parametrize("method", ["one-point", "chord", "kurchatov", "robin", "anderson"])
 def test_a_small_change_is_near_the_solution(name, method):
-    """What the paper's rule calls converged is within a hundred times its tolerance; 40, of slow modes, are the most."""
+    """What the paper's rule calls converged is within a hundred times its tolerance; slow modes: 40 times at most."""
     solution = run(SOLVABLE[name], method, gamma=0.6, criterion="change", tolerance=1e-3, max_iterations=300)
     if solution.converged:
         assert solution.residual < 2e-3 / 0.6 * 1.01
@@ -93,6 +93,16 @@ def test_searched_gamma_survives_an_opening_contact(method, options):
     searched = run(case, method, tolerance=1e-3, **options)
     assert searched.converged
     assert "soft Robin term" in searched.history[0].note
+
+
+@pytest.mark.parametrize("name", ["E ratio 1e-06", "start 1 cm apart", "first step opens everything", "stack of 16"])
+def test_anderson_restarts_and_arrives(name):
+    """Where mixing the past would raise the energy the past is forgotten."""
+    solution = run(SOLVABLE[name], "anderson", max_iterations=100)
+    assert solution.converged
+    assert any("restarted" in record.note for record in solution.history)
+    if SOLVABLE[name].start == -1.0:
+        assert "soft Robin term" in solution.history[0].note
 
 
 def test_first_step_opens_everything():
