@@ -151,7 +151,11 @@ def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats
     (unknowns, allowed), and its coefficients in `modes` (motions, allowed).
     """
     unknowns = basis.T @ modes
-    _, singular, right = np.linalg.svd(modes - basis @ unknowns, full_matrices=False)
+    prevented = modes - basis @ unknowns
+    prevented = prevented[np.any(prevented, axis=1)]
+    _, singular, right = np.linalg.svd(
+        np.vstack([prevented, np.zeros_like(prevented.T @ prevented)]), full_matrices=False
+    )
     allowed = right[singular <= 1e-8 * np.linalg.norm(modes)].T
     return orthonormal(unknowns @ allowed, allowed)
 
