@@ -47,6 +47,8 @@ class Rule:
     #: The residual may be this many times the change that the step would have made without its relaxation: over the
     #: whole of Table 1 it is up to 0.91; where the change is small for another reason it is many times as large.
     EXPLAINED = 2.0
+    #: Above this no residual is small, however small γ.
+    LARGE = 0.1
 
     def distance(self, residual: float, last: Record | None) -> float:
         """How far a run is from its goal, 1 at the goal: by its residual now and the change of its last iteration.
@@ -58,7 +60,8 @@ class Rule:
             return residual / self.tolerance
         if last is None:
             return np.inf
-        return max(last.change, residual * min(last.gamma, 1.0) / self.EXPLAINED) / self.tolerance
+        explained = min(self.EXPLAINED * self.tolerance / min(last.gamma, 1.0), self.LARGE)
+        return max(last.change / self.tolerance, residual / explained)
 
 
 @dataclass(frozen=True)
@@ -159,7 +162,8 @@ class Run:
         if self.anderson is None:
             steps = [length * delta for delta in corrections]
         else:
-            steps, note = self._accelerated(corrections, residuals, length, energy)
+            steps, restart = self._accelerated(corrections, residuals, length, energy)
+            note = ", ".join(filter(None, (note, restart)))
         contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
         self.state = self._moved(self.scene.ranks.agree(steps))
         return Record(
@@ -204,19 +208,22 @@ class Run:
         except LooseBodyError:
             if not survive or escape(self.problems, self.scene.interfaces) is not None:
                 raise
-        softest = self._softest_coefficient(residuals)
-        for index, interface in enumerate(self.scene.interfaces):
-            # Soft also beside the bodies: where the gap is nearly nothing, the next step goes further.
-            phi[index] = np.maximum(phi[index], np.minimum(softest, self._stiffest / interface.weights))
+        phi = self._softened(phi, residuals)
         return self.linear.correct(phi, residuals, scale), phi, "open: held by a soft Robin term"
 
-    def _softest_coefficient(self, residuals: list[Floats]) -> float:
-        """The unbalanced forces over the contacts' area and the largest gap: a body moves by about that gap."""
+    def _softened(self, phi: dict[int, Floats], residuals: list[Floats]) -> dict[int, Floats]:
+        """φ with a soft Robin term wherever it is softer.
+
+        It is the unbalanced forces over the contacts' area and the largest gap: a body moves by about that gap. It is
+        no stiffer than the bodies, for the next step goes further, but not lost in the rounding of what is stiffest.
+        """
         forces = max(float(np.abs(r).sum()) for r in residuals)
         area = sum(float(interface.weights.sum()) for interface in self.scene.interfaces)
         gap = max(float(np.abs(z).max()) for z in self.state.gaps)
-        # A gap of rounding is none.
-        return forces / area / (gap if gap > 1e-10 * self._size else self._size)
+        soft = forces / area / (gap if gap > 1e-12 * self._size else self._size)  # coordinates are no better than that
+        soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
+        limits = [self._stiffest / interface.weights for interface in self.scene.interfaces]
+        return {index: np.maximum(values, np.minimum(soft, limits[index])) for index, values in phi.items()}
 
     def _accelerated(
         self, corrections: list[Floats], residuals: list[Floats], gamma: float, energy: float

@@ -36,9 +36,10 @@ class Resistance:
     rows: Floats
     transfer: scipy.sparse.csr_matrix | None = None
 
-    def matrix(self, phi: Mapping[int, Floats]) -> Floats:
+    def root(self, phi: Mapping[int, Floats]) -> Floats:
+        """R of the stiffness RᵀR, (points, motions)."""
         values = phi[self.interface] if self.transfer is None else self.transfer @ phi[self.interface]
-        return self.rows.T @ (values[:, None] * self.rows)
+        return np.sqrt(values)[:, None] * self.rows
 
 
 @dataclass(frozen=True)
@@ -81,10 +82,30 @@ class RigidMotions:
         count = self.modes.shape[1]
         if count == 0:
             return np.zeros((0, 0))
-        held = self.elastic + sum(contact.matrix(phi) for contact in self.contacts)
-        values, vectors = (held[0], np.ones((1, 1))) if count == 1 else np.linalg.eigh(held)
+        roots = [contact.root(phi) for contact in self.contacts]
+        held = self.elastic + sum(root.T @ root for root in roots)
         # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
-        return vectors[:, values <= 1e-14 * max(self.largest, float(np.abs(held).max()))]
+        limit = 1e-14 * max(self.largest, float(np.abs(held).max()))
+        values = held[0] if count == 1 else np.linalg.eigvalsh(held)
+        if values[0] > limit:
+            return np.zeros((count, 0))
+        # The roots give the free motions; their squares would mix in held ones by the rounding of the stiffest layer.
+        springs, directions = np.linalg.eigh(self.elastic)
+        roots.append(np.sqrt(np.maximum(springs, 0.0))[:, None] * directions.T)
+        _, singular, motions = np.linalg.svd(np.linalg.qr(np.vstack(roots), mode="r"))
+        return motions[singular**2 <= limit].T
+
+    @cached_property
+    def neutral(self) -> Floats:
+        """The motions that change no gap and meet no spring, open or closed, (motions, neutral): nothing depends on
+        them."""
+        count = self.modes.shape[1]
+        springs = np.linalg.norm(self.springs, axis=0) / max(self.largest, np.finfo(float).tiny)
+        rows = np.vstack([np.diag(springs)] + [contact.rows for contact in self.contacts])
+        _, singular, motions = np.linalg.svd(np.linalg.qr(rows, mode="r"))
+        kept = np.zeros(count, dtype=bool)
+        kept[: len(singular)] = singular > 1e-10 * singular.max(initial=np.finfo(float).tiny)
+        return motions[~kept].T
 
     def ground(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
         """Unknowns to hold so that no motion is free, none if none is.

@@ -42,8 +42,9 @@ class Apart:
         self.body_solves = 0
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
+        corrections = self._ranks.each(lambda place: self._problems[place].correct(phi, residuals[place], scale))
         self.body_solves += len(self._problems)
-        return self._ranks.each(lambda place: self._problems[place].correct(phi, residuals[place], scale))
+        return corrections
 
 
 class Direct:
@@ -55,8 +56,9 @@ class Direct:
         self.body_solves = 0
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
+        corrections = self._system.correct(phi, residuals, scale)
         self.body_solves += self._bodies  # each body takes part once
-        return self._system.correct(phi, residuals, scale)
+        return corrections
 
 
 class Krylov:

@@ -144,7 +144,7 @@ def judge(outcomes: list[Outcome]) -> dict[str, int]:
 
 
 def locking() -> list[dict[str, float | str]]:
-    """Nearly incompressible bodies: the contact pressure's error by element, against the semi-analytic reference."""
+    """Nearly incompressible bodies: the error of the pressure by element, against the semi-analytic reference."""
     elements = {
         "linear triangles, one diagonal": {},
         "linear triangles, crossed": {"diagonal": "crossed"},
@@ -165,18 +165,19 @@ def locking() -> list[dict[str, float | str]]:
 
 def draw(outcomes: list[Outcome], path: str) -> None:
     """How many of the solvable scenes each method solves within a number of body solves."""
-    figure = Figure(figsize=(7, 4.6), layout="constrained")
+    figure = Figure(figsize=(9, 4.6), layout="constrained")
     axes = figure.subplots()
     count = len({outcome.scene for outcome in outcomes if outcome.solvable})
-    for name in METHODS:
+    for i, name in enumerate(METHODS):
         solves = sorted(o.body_solves for o in outcomes if o.method == name and o.status == "converged")
-        axes.step([1, *(max(n, 1) for n in solves)], range(len(solves) + 1), where="post", label=name)
+        steps, done = [1, *(max(n, 1) for n in solves)], range(len(solves) + 1)
+        axes.step(steps, done, where="post", label=name, color=f"C{i % 7}", linestyle="-" if i < 7 else "--")
     axes.axhline(count, color="black", linewidth=0.6)
     axes.set_xscale("log")
     axes.set_xlabel("solves of single bodies")
     axes.set_ylabel(f"scenes solved, of {count}")
-    axes.legend(frameon=False, fontsize=7, ncols=2)
-    figure.savefig(path, dpi=150)
+    axes.legend(frameon=False, fontsize=8, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    figure.savefig(path, dpi=130)
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -192,9 +193,8 @@ def main(arguments: list[str] | None = None) -> None:
     print("\nAuto: steps, solves of single bodies, residual, error, seconds")
     for o in outcomes:
         if o.method == "auto" and o.solvable:
-            print(
-                f"{o.scene:36}{o.iterations:4}{o.body_solves:6}  {o.residual:.1e}  {o.error:.1e}  {o.cpu_seconds:.2f}"
-            )
+            numbers = f"{o.residual:.1e}  {o.error:.1e}  {o.cpu_seconds:.2f}"
+            print(f"{o.scene:36}{o.iterations:4}{o.body_solves:6}  {numbers}")
     print("\nError of the pressure as the bodies become incompressible")
     for row in locking():
         print("  " + ", ".join(f"{k}: {v:.1e}" if isinstance(v, float) else str(v) for k, v in row.items()))
