@@ -79,7 +79,8 @@ def bodies(count: int) -> cd.Scene:
 
 
 SCENES: dict[str, Callable[[int], cd.Scene]] = {"plane": plane, "space": space, "bodies": bodies}
-METHODS = {"auto": "Newton, chosen by itself", "newton-krylov": "Newton by solves of the bodies apart"}
+#: "newton-krylov" solves the bodies apart; its coarse space is dense, which ends to pay at some hundred bodies.
+METHODS = {"auto": 256, "newton-krylov": 128}
 SIZES = {
     "plane": (16, 32, 64, 128, 256, 352),
     "space": (4, 8, 12, 16, 24, 32),
@@ -211,7 +212,7 @@ def main(arguments: list[str] | None = None) -> None:
     print("{:7} {:14} {:>5} {:>6} {:>9} {:>8} {:>8} {:>5} {:>6}".format(*columns))
     for kind, sizes in (QUICK if report.quick else SIZES).items():
         for method in METHODS if kind == "bodies" else ("auto",):
-            for size in sizes:
+            for size in (size for size in sizes if kind != "bodies" or size <= METHODS[method]):
                 row = measured(kind, size, method)
                 rows.append(row)
                 print(
