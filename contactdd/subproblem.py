@@ -215,20 +215,43 @@ class CondensedSubproblem(Subproblem):
     The stiffness becomes the dense Schur complement S, a step costs one dense Cholesky factorisation of S + Φ, and
     the inside is recovered when the displacement is asked for.
 
-    comm: the ranks that eliminate the inside together; all of them have made the same inner problem.
+    comm: the ranks that eliminate the inside together; all of them have made the same inner problem. others: problems
+    whose factorisation is shared where it is the same, that of an identical body.
     """
 
-    def __init__(self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF) -> None:
+    def __init__(
+        self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF, others: Sequence[CondensedSubproblem] = ()
+    ) -> None:
         self.body, self.basis = inner.body, inner.basis
         self.full_stiffness, self.full_springs = inner.full_stiffness, inner.full_springs
         self.kept = _touched(inner)
         self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
-        alone = comm.size == 1
-        self._inside = Factor(inner.stiffness, self.kept) if alone else SpreadFactor(inner.stiffness, self.kept, comm)
+        twin = next(
+            (other for other in others if comm.size == 1 and other.eliminates(inner.stiffness, self.kept)), None
+        )
+        if twin is not None:
+            self._inside = twin._inside
+        else:
+            self._inside = (
+                Factor(inner.stiffness, self.kept) if comm.size == 1 else SpreadFactor(inner.stiffness, self.kept, comm)
+            )
         self.stiffness = self._inside.complement
         self._set_inner(inner)
         self._keep_springs()
         self._set_loads()
+
+    def eliminates(self, stiffness: scipy.sparse.csr_matrix, kept: NDArray[np.intp]) -> bool:
+        """Whether a body of that stiffness, seen from the kept unknowns, is the same as this one, to rounding."""
+        own = self._inner.stiffness
+        if own.shape != stiffness.shape or own.nnz != stiffness.nnz or not np.array_equal(self.kept, kept):
+            return False
+        # Bodies that are moved copies differ by the rounding of their coordinates.
+        rounding = 1e-12 * self.rigid.largest
+        if abs(own.data[0] - stiffness.data[0]) > rounding:  # most that differ do so at once
+            return False
+        stiffness.sort_indices()
+        same = np.array_equal(own.indptr, stiffness.indptr) and np.array_equal(own.indices, stiffness.indices)
+        return same and bool(np.abs(own.data - stiffness.data).max(initial=0.0) <= rounding)
 
     def refreshed_for(self, inner: Subproblem) -> CondensedSubproblem:
         """The same condensed problem for `inner` with other loads and prescribed displacements."""

@@ -91,11 +91,11 @@ def configurations(quick: bool) -> Iterator[tuple[str, str, Case]]:
 def too_slow(package: str, way: str, case: Case) -> bool:
     """Whether a measurement would take many seconds and be no rival to the others."""
     facets = (len(case.grid.x) - 1) * case.degree
-    if "decomposed, assembled" in way:  # refactors both bodies in each of some twenty steps
+    if "assembled" in way:  # refactors in every step
         return facets > 64
     if package == "getfem":
         return facets > 72 or case.degree > 6
-    return package == "skfem" and (case.degree > 6 or facets > 256)
+    return package == "skfem" and (case.degree > 6 or facets > (128 if way == "newton" else 256))
 
 
 def measure(package: str, way: str, case: Case) -> dict[str, Any]:
