@@ -83,7 +83,7 @@ SCENES: dict[str, Callable[[int], cd.Scene]] = {"plane": plane, "space": space, 
 METHODS = {"auto": 256, "newton-krylov": 128}
 SIZES = {
     "plane": (16, 32, 64, 128, 256, 352),
-    "space": (4, 8, 12, 16, 24, 32),
+    "space": (4, 8, 12, 16, 24, 32, 40, 54),
     "bodies": (2, 4, 8, 16, 32, 64, 128, 256),
 }
 QUICK = {"plane": (8, 16, 32), "space": (3, 4, 6), "bodies": (2, 4, 8)}
