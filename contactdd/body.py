@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import basix
@@ -69,7 +69,9 @@ class Body:
     @cached_property
     def space(self) -> fem.FunctionSpace:
         """The finite element space of the body's displacements."""
-        return fem.functionspace(self.mesh.domain, ("Lagrange", self.degree, (self.mesh.dim,)))
+        return fem.functionspace(
+            self.mesh.domain, _lagrange(self.mesh.domain.topology.cell_name(), self.degree, self.mesh.dim)
+        )
 
     @cached_property
     def stiffness(self) -> Any:
@@ -190,3 +192,9 @@ class Body:
             for surface in getattr(item, "surfaces", (getattr(item, "surface", None),)):
                 if surface is not None:
                     self.mesh.facets(surface)
+
+
+@cache
+def _lagrange(cell: str, degree: int, components: int) -> Any:
+    """The Lagrange element of vectors."""
+    return basix.ufl.element("Lagrange", cell, degree, shape=(components,))

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
-from scipy.optimize import linprog
+from scipy.optimize import linprog, nnls
 
 from .errors import LooseBodyError
 from .interface import Interface
@@ -37,6 +37,9 @@ def escape(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> L
     if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * np.linalg.norm(loads):
         return None
     closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
+    # Mostly some pressures balance the loads, which is cheaper to see.
+    if nnls(closes.T / np.abs(closes).max(initial=np.finfo(float).tiny), work / np.abs(work).max())[1] < 1e-10:
+        return None
     found = linprog(
         -work / np.abs(work).max(),
         A_ub=closes / np.abs(closes).max(initial=np.finfo(float).tiny),

@@ -98,6 +98,7 @@ class Run:
         self._size = max(float(np.ptp(body.mesh.domain.geometry.x, axis=0).max()) for body in scene.bodies)
         self._stiffest = max(problem.rigid.largest for problem in problems)
         self._first_force = 0.0
+        self._at_nodes = False
         self._began = time.process_time()
 
     def iterate(self, gammas: Iterator[float | None], rule: Rule, observe: Observer) -> Ending:
@@ -106,7 +107,7 @@ class Run:
         gammas: γ^0, γ^1, …, None where it is to be searched; observe: told of every iteration, ends the run by
         returning True.
         """
-        done = len(self.history)
+        done, self._at_nodes = len(self.history), rule.criterion == "change"
         gammas = itertools.islice(gammas, done, None)
         last = self.history[-1] if done else None
         best, best_at = self._best_so_far(rule)
@@ -276,17 +277,18 @@ class Run:
         ]
 
         def slope(t: float) -> float:
+            if t == 0.0:
+                return -descent
             layers = sum(float(w @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return t * (elastic + layers) - descent
 
         return minimise_along(slope)
 
     def _change(self, steps: Sequence[Floats]) -> float:
-        """The paper's measure of change, the largest over the bodies; to be asked after the move."""
+        """The largest relative change of a body's u_n; to be asked after the move."""
         largest = 0.0
         for problem, step, y in zip(self.problems, steps, self.state.unknowns, strict=True):
-            moved = np.linalg.norm(problem.nodal_trace @ step)
-            size = np.linalg.norm(problem.nodal_trace @ y + problem.nodal_offset)
+            moved, size = (np.linalg.norm(u_n) for u_n in problem.normal_displacements(step, y, self._at_nodes))
             largest = max(largest, float(moved / size) if size > 0.0 else float(moved > 0.0))
         return largest
 

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 from scipy.optimize import brentq
+
+#: The step need not be exact: a thousandth of it is far below what it changes in the next correction.
+ACCURACY = 1e-3
 
 
 def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) -> float:
@@ -12,12 +16,14 @@ def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) ->
 
     slope: dF₁/dt, which never decreases and is negative at 0. The largest step tried is returned if it stays negative.
     """
+    slope = cache(slope)
     if slope(0.0) >= 0.0:  # at the minimum to rounding
+        return 1.0
+    if abs(slope(1.0)) <= ACCURACY * abs(slope(0.0)):  # Newton's step, as always near the end
         return 1.0
     upper = 1.0
     while slope(upper) < 0.0:
         if upper >= largest:
             return upper
         upper *= 2.0
-    # The step need not be exact: a thousandth of it is far below what it changes in the next correction.
-    return float(brentq(slope, 0.0, upper, xtol=1e-12, rtol=1e-3))
+    return float(brentq(slope, 0.0, upper, xtol=1e-12, rtol=ACCURACY))

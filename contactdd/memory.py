@@ -13,10 +13,15 @@ if TYPE_CHECKING:
 #: Unknowns of a solid body beyond which multigrid is cheaper than the fill-in of a factorisation.
 LARGEST_FACTORED_SOLID = 60_000
 
+#: Unknowns of a body that is too small to ask for the memory.
+ALWAYS_FACTORED = 20_000
+
 
 def cheapest_solver(body: Body) -> str:
     """The local solver for a body: "condensed" where factoring it fits and pays, else "multigrid"."""
     unknowns = body_unknowns(body)
+    if unknowns <= ALWAYS_FACTORED:
+        return "condensed"
     if body.mesh.dim == 3 and unknowns > LARGEST_FACTORED_SOLID:
         return "multigrid"
     return "condensed" if factor_bytes(body.mesh.dim, unknowns) < 0.5 * available_bytes() else "multigrid"
@@ -24,6 +29,8 @@ def cheapest_solver(body: Body) -> str:
 
 def refuse_if_too_large(body: Body) -> None:
     """Raise MemoryError before a factorisation that cannot fit is begun."""
+    if body_unknowns(body) <= ALWAYS_FACTORED:
+        return
     wanted, there = factor_bytes(body.mesh.dim, body_unknowns(body)), available_bytes()
     if wanted > there:
         raise MemoryError(

@@ -96,6 +96,18 @@ class RigidMotions:
         _, singular, motions = np.linalg.svd(np.linalg.qr(np.vstack(roots), mode="r"))
         return motions[singular**2 <= limit].T
 
+    @cached_property
+    def neutral(self) -> Floats:
+        """The motions that change no gap and meet no spring, open or closed, (motions, neutral): nothing depends on
+        them."""
+        count = self.modes.shape[1]
+        springs = np.linalg.norm(self.springs, axis=0) / max(self.largest, np.finfo(float).tiny)
+        rows = np.vstack([np.diag(springs)] + [contact.rows for contact in self.contacts])
+        _, singular, motions = np.linalg.svd(np.linalg.qr(rows, mode="r"))
+        kept = np.zeros(count, dtype=bool)
+        kept[: len(singular)] = singular > 1e-10 * singular.max(initial=np.finfo(float).tiny)
+        return motions[~kept].T
+
     def ground(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
         """Unknowns to hold so that no motion is free, none if none is.
 
@@ -151,7 +163,11 @@ def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats
     (unknowns, allowed), and its coefficients in `modes` (motions, allowed).
     """
     unknowns = basis.T @ modes
-    _, singular, right = np.linalg.svd(modes - basis @ unknowns, full_matrices=False)
+    prevented = modes - basis @ unknowns
+    prevented = prevented[np.any(prevented, axis=1)]
+    _, singular, right = np.linalg.svd(
+        np.vstack([prevented, np.zeros_like(prevented.T @ prevented)]), full_matrices=False
+    )
     allowed = right[singular <= 1e-8 * np.linalg.norm(modes)].T
     return orthonormal(unknowns @ allowed, allowed)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +19,7 @@ from .contact import Contact
 from .field import inner_element
 from .history import History
 from .interface import Interface, discretise
+from .rigid import joint_motions
 
 if TYPE_CHECKING:
     from .scene import Scene
@@ -241,9 +242,28 @@ class Solution:
     def _fields(self) -> list[Fields]:
         """The bodies' solutions; the insides are recovered when first asked for."""
         state = self._state
-        return self.scene.ranks.each(
+        fields = self.scene.ranks.each(
             lambda place: self._problems[place].fields(state.unknowns[place], state.deformations[place])
         )
+        return self._settled(fields)
+
+    def _settled(self, fields: list[Fields]) -> list[Fields]:
+        """The same with the motions taken out on which nothing depends, such as that of a whole stack that floats.
+
+        Which of them the iteration ends with is rounding; the displacements shown are the smallest.
+        """
+        if not any(problem.rigid.modes.shape[1] for problem in self._problems):
+            return fields
+        motions = joint_motions(self._problems, self._interfaces)
+        if motions.neutral.shape[1] == 0:
+            return fields
+        parts = np.split(motions.neutral, np.cumsum([o.coefficients.shape[1] for o in motions.owners])[:-1])
+        moves = []
+        for body, owner, part in zip(self.scene.bodies, motions.owners, parts, strict=True):
+            rigid = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
+            moves.append(rigid.reshape(-1, rigid.shape[-1]) @ (owner.coefficients @ part))
+        drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
+        return [replace(f, displacement=f.displacement - move @ drift) for f, move in zip(fields, moves, strict=True)]
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""

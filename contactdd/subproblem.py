@@ -156,6 +156,13 @@ class Subproblem:
         elastic = self.full_stiffness @ deformed
         return Fields(u, elastic, self.full_springs @ u, 0.5 * float(deformed @ elastic))
 
+    def normal_displacements(self, step: Floats, y: Floats, at_nodes: bool) -> tuple[Floats, Floats]:
+        """u_n of a step and of the unknowns, at the nodes of all contact surfaces or at the contacts' points."""
+        if at_nodes:
+            return self.nodal_trace @ step, self.nodal_trace @ y + self.nodal_offset
+        moved = [port.trace @ step for port in self.ports]
+        return np.concatenate(moved), np.concatenate([port.trace @ y + port.offset for port in self.ports])
+
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""
         return self.basis.T @ (u - self.fixed)

@@ -88,14 +88,14 @@ def normal_trace(space: fem.FunctionSpace, points: FacetPoints, normal: Floats |
     direction = points.normal if normal is None else normal
     basis = space.element.basix_element.tabulate(0, points.reference)[0, :, :, 0]
     dim, dofmap = space.dofmap.bs, space.dofmap
-    values = basis[:, :, None] * direction[:, None, :]
+    values = (basis[:, :, None] * direction[:, None, :]).reshape(len(basis), -1)
     # Exact zeros (inner nodes, the components along a flat surface) must not become unknowns of the contact.
-    values[np.abs(values) < 1e-14] = 0.0
-    columns = dofmap.list[points.cells][:, :, None] * dim + np.arange(dim)
-    rows = np.repeat(np.arange(len(basis)), values[0].size if len(basis) else 0)
+    seen = np.abs(values) > 1e-14
+    columns = (dofmap.list[points.cells][:, :, None] * dim + np.arange(dim)).reshape(values.shape)
     size = dim * (dofmap.index_map.size_local + dofmap.index_map.num_ghosts)
-    operator = sp.csr_matrix((values.ravel(), (rows, columns.ravel())), shape=(len(basis), size))
-    operator.eliminate_zeros()
+    ends = np.concatenate([[0], np.cumsum(np.count_nonzero(seen, axis=1))])
+    operator = sp.csr_matrix((values[seen], columns[seen], ends), shape=(len(basis), size))
+    operator.sort_indices()
     return operator
 
 

@@ -9,13 +9,20 @@ from typing import Any
 
 
 class Report:
-    """The folder that a demo writes to, `--out DIR` or demos/out/<name of the demo>."""
+    """The folder that a demo writes to, `--out DIR` or demos/out/<name of the demo>.
 
-    def __init__(self, script: str, description: str, arguments: list[str] | None = None) -> None:
+    quick: what `--quick` does, for a demo that has it; `self.quick` tells whether it was given.
+    """
+
+    def __init__(self, script: str, description: str, arguments: list[str] | None = None, quick: str = "") -> None:
         parser = argparse.ArgumentParser(description=description)
         default = Path(__file__).parent / "out" / Path(script).stem
         parser.add_argument("--out", type=Path, default=default, metavar="DIR", help="where the results go")
-        self.folder: Path = parser.parse_args(arguments).out
+        if quick:
+            parser.add_argument("--quick", action="store_true", help=quick)
+        given = parser.parse_args(arguments)
+        self.quick: bool = getattr(given, "quick", False)
+        self.folder: Path = given.out
         self.folder.mkdir(parents=True, exist_ok=True)
 
     def path(self, name: str) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ class Grid:
     x: Floats
     y: Floats
 
-    @property
+    @cached_property
     def points(self) -> tuple[Floats, Floats]:
         """Nine Gauss points on each facet of the contact, and their weights: where p(x) is asked for."""
         reference, weights = np.polynomial.legendre.leggauss(9)
@@ -82,24 +83,25 @@ def stiffness(z: Floats) -> Floats:
     return np.divide(pressure(z), EXPONENT * c, out=np.zeros_like(c), where=c > 0.0)
 
 
-def energy(z: Floats) -> Floats:
-    """∫₀^z g⁻."""
-    return EXPONENT / (EXPONENT + 1.0) * np.maximum(-z, 0.0) * pressure(z)
-
-
 #: How far the upper body starts below its place: as if the contact carried the mean pressure with no groove.
 START = SOFTNESS * LOAD**EXPONENT
 
 
-def step_length(slope: Callable[[float], float]) -> float:
-    """1, or where a full Newton step would climb, the zero of the energy's slope along it."""
-    if slope(1.0) <= 0.0:
-        return 1.0
-    low, high = 0.0, 1.0
-    for _ in range(12):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if slope(middle) < 0.0 else (low, middle)
-    return 0.5 * (low + high)
+def advance(
+    u: Floats, correction: Floats, before: Floats, residual: Callable[[Floats], Floats]
+) -> tuple[Floats, Floats]:
+    """A full Newton step or, where the energy would rise, one to where its slope about vanishes; the residual there."""
+    downhill, t, low, high = before @ correction, 1.0, 0.0, 1.0
+    for _ in range(10):
+        now = residual(u + t * correction)
+        slope = now @ correction
+        if abs(slope) <= 0.5 * downhill:
+            break
+        low, high = (t, high) if slope > 0 else (low, t)
+        if low == high:
+            break
+        t = 0.5 * (low + high)
+    return u + t * correction, now
 
 
 def _towards(start: float, end: float, cells: int, ratio: float) -> Floats:
