@@ -5,9 +5,12 @@
 The way of the data: mesh and material → body → contact → scene → solve → solution → picture.
 """
 
+from importlib import import_module
+from types import ModuleType
+
 __version__ = "0.1.0"
 
-from . import compat, reference  # compat first: it makes dolfinx importable where that takes a step
+from . import compat  # first: it makes dolfinx importable where that takes a step
 from .body import Body
 from .contact import Contact
 from .errors import (
@@ -79,3 +82,10 @@ __all__ = [
     "reference",
     "solve",
 ]
+
+
+def __getattr__(name: str) -> ModuleType:
+    """The module `reference`, imported when first asked for: solving needs none of what it imports."""
+    if name == "reference":
+        return import_module(".reference", __name__)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -104,16 +104,9 @@ class Body:
 
     def ds(self, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Measure:
         """The measure of a named surface."""
-        self.mesh.facets(surface)  # refuses an unknown name
-        place = list(self.mesh.surfaces).index(surface)
-        return ufl.Measure(
-            "ds", domain=self.mesh.domain, subdomain_data=self._boundary, subdomain_id=place, metadata=metadata
-        )
-
-    @cached_property
-    def _boundary(self) -> list[tuple[int, NDArray[np.int32]]]:
-        """The (cell, local facet) pairs of every named surface; one object, which all integrals of a form share."""
-        return [(place, self.mesh.entities(name).ravel()) for place, name in enumerate(self.mesh.surfaces)]
+        # The same number for every surface, so that forms on different ones are compiled once.
+        facets = [(1, self.mesh.entities(surface).ravel())]
+        return ufl.Measure("ds", domain=self.mesh.domain, subdomain_data=facets, subdomain_id=1, metadata=metadata)
 
     def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
         """∫ integrand dx over the body, the full ring in a body of revolution."""

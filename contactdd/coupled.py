@@ -6,10 +6,8 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
+import scipy
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 
 from .factor import Factor
 from .interface import Interface
@@ -40,7 +38,9 @@ class CoupledSystem:
             if self._dense:
                 self._stiffness = scipy.linalg.block_diag(*blocks)
             else:
-                self._stiffness = sp.block_diag([sp.csr_matrix(block) for block in blocks], format="csr")
+                self._stiffness = scipy.sparse.block_diag(
+                    [scipy.sparse.csr_matrix(block) for block in blocks], format="csr"
+                )
         self._sums = [self._sum_of_traces(index) for index in range(len(interfaces))]
         self.rigid = joint_motions(problems, interfaces)
 
@@ -60,7 +60,7 @@ class CoupledSystem:
         for index, (places, weights) in enumerate(self._maps):
             matrix.ravel()[places] += weights @ phi[index]
         matrix[ground, ground] += self.rigid.largest
-        _, solution, info = lapack.dposv(matrix, rhs, overwrite_a=True)
+        _, solution, info = scipy.linalg.lapack.dposv(matrix, rhs, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError("the coupled system is not positive definite")
         return solution
@@ -68,13 +68,13 @@ class CoupledSystem:
     def _solve_sparse(self, phi: Mapping[int, Floats], rhs: Floats, ground: NDArray[np.intp]) -> Floats:
         held = np.zeros(len(rhs))
         held[ground] = self.rigid.largest
-        matrix = self._stiffness + sp.diags(held)
+        matrix = self._stiffness + scipy.sparse.diags(held)
         for index, total in enumerate(self._sums):
-            matrix = matrix + total.T @ sp.diags(self._interfaces[index].weights * phi[index]) @ total
+            matrix = matrix + total.T @ scipy.sparse.diags(self._interfaces[index].weights * phi[index]) @ total
         return Factor(matrix.tocsr()).solve(rhs)
 
     @cached_property
-    def _maps(self) -> list[tuple[NDArray[np.intp], sp.csr_matrix]]:
+    def _maps(self) -> list[tuple[NDArray[np.intp], scipy.sparse.csr_matrix]]:
         """Where the contacts' terms stand in the dense matrix, and the operators from φ to their entries."""
         return [product_map(total, i.weights) for total, i in zip(self._sums, self._interfaces, strict=True)]
 
@@ -86,11 +86,11 @@ class CoupledSystem:
             result += total.T @ (self._interfaces[index].weights * phi[index] * (total @ unknowns))
         return result
 
-    def _sum_of_traces(self, index: int) -> sp.csr_matrix:
+    def _sum_of_traces(self, index: int) -> scipy.sparse.csr_matrix:
         """The operator from all unknowns to u_αn + u_βn at the points of an interface."""
         points = len(self._interfaces[index].weights)
         blocks = []
         for problem in self._problems:
             traces = [port.trace for port in problem.ports if port.interface == index]
-            blocks.append(sum(traces[1:], traces[0]) if traces else sp.csr_matrix((points, problem.size)))
-        return sp.hstack(blocks, format="csr")
+            blocks.append(sum(traces[1:], traces[0]) if traces else scipy.sparse.csr_matrix((points, problem.size)))
+        return scipy.sparse.hstack(blocks, format="csr")

@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import scipy.linalg
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import linprog, nnls
 
 from .errors import LooseBodyError
 from .interface import Interface
@@ -38,9 +37,12 @@ def escape(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> L
         return None
     closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
     # Mostly some pressures balance the loads, which is cheaper to see.
-    if nnls(closes.T / np.abs(closes).max(initial=np.finfo(float).tiny), work / np.abs(work).max())[1] < 1e-10:
+    if (
+        scipy.optimize.nnls(closes.T / np.abs(closes).max(initial=np.finfo(float).tiny), work / np.abs(work).max())[1]
+        < 1e-10
+    ):
         return None
-    found = linprog(
+    found = scipy.optimize.linprog(
         -work / np.abs(work).max(),
         A_ub=closes / np.abs(closes).max(initial=np.finfo(float).tiny),
         b_ub=np.zeros(len(closes)),

@@ -6,7 +6,7 @@ import ctypes
 from functools import cache
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 from mpi4py import MPI
 from numpy.typing import NDArray
 from petsc4py import PETSc
@@ -21,7 +21,7 @@ class Factor:
     S = K_cc − K_ci K_ii⁻¹ K_ic, and `solve` works on the inner system K_ii x_i = b_i.
     """
 
-    def __init__(self, matrix: sp.csr_matrix, schur: NDArray[np.intp] | None = None) -> None:
+    def __init__(self, matrix: scipy.sparse.csr_matrix, schur: NDArray[np.intp] | None = None) -> None:
         matrix.sort_indices()
         self._csr = (matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType), matrix.data.copy())
         self._matrix = PETSc.Mat().createAIJWithArrays(matrix.shape, self._csr, comm=PETSc.COMM_SELF)
@@ -63,7 +63,7 @@ class Factor:
     def complement(self) -> Floats:
         """The Schur complement, dense (c, c)."""
         if self._nothing_to_do:
-            return sp.csr_matrix(self._csr[::-1], shape=(self._size, self._size)).toarray()
+            return scipy.sparse.csr_matrix(self._csr[::-1], shape=(self._size, self._size)).toarray()
         library, matrix, status = _petsc(), ctypes.c_void_p(), ctypes.c_int(-1)
         _check(library.MatFactorCreateSchurComplement(self._handle(), ctypes.byref(matrix), ctypes.byref(status)))
         pointer = ctypes.POINTER(ctypes.c_double)()
@@ -102,7 +102,7 @@ class SpreadFactor:
     #: Columns that are solved for at once.
     BLOCK = 64
 
-    def __init__(self, matrix: sp.csr_matrix, schur: NDArray[np.intp], comm: MPI.Comm) -> None:
+    def __init__(self, matrix: scipy.sparse.csr_matrix, schur: NDArray[np.intp], comm: MPI.Comm) -> None:
         self._comm, self._kept = comm, schur
         self._inner = np.setdiff1d(np.arange(matrix.shape[0]), schur)
         ends = np.linspace(0, len(self._inner), comm.size + 1).astype(int)

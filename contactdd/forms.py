@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 import ufl
 from dolfinx import fem
 from numpy.typing import ArrayLike, NDArray
@@ -26,7 +26,7 @@ from .parameter import current
 Floats = NDArray[np.float64]
 
 
-def stiffness_matrix(body: Body) -> sp.csr_matrix:
+def stiffness_matrix(body: Body) -> scipy.sparse.csr_matrix:
     """∫ σ(u) : ε(v) dx for all degrees of freedom."""
     if body.material.varies:
         u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
@@ -37,11 +37,11 @@ def stiffness_matrix(body: Body) -> sp.csr_matrix:
     return _matrix(shared.on(body, stiffness, np.arange(body.mesh.cells, dtype=np.int32)))
 
 
-def spring_matrix(body: Body) -> sp.csr_matrix:
+def spring_matrix(body: Body) -> scipy.sparse.csr_matrix:
     """∫ k u·v ds of all springs."""
     size = _size(body)
     forms = body.spring_forms(ufl.TrialFunction(body.space), ufl.TestFunction(body.space))
-    return sum((_matrix(compat.form(form)) for form in forms), sp.csr_matrix((size, size)))
+    return sum((_matrix(compat.form(form)) for form in forms), scipy.sparse.csr_matrix((size, size)))
 
 
 def load_vector(body: Body) -> Floats:
@@ -108,7 +108,7 @@ def _elements(body: Body) -> tuple[Any, Any]:
     return body.mesh.domain.ufl_domain().ufl_coordinate_element(), body.space.ufl_element()
 
 
-def _matrix(form: fem.Form) -> sp.csr_matrix:
+def _matrix(form: fem.Form) -> scipy.sparse.csr_matrix:
     return fem.assemble_matrix(form).to_scipy().tocsr()
 
 

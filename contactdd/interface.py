@@ -8,7 +8,7 @@ from typing import Any
 
 import basix
 import numpy as np
-import scipy.sparse as sp
+import scipy
 from dolfinx import fem
 from numpy.typing import NDArray
 
@@ -45,12 +45,14 @@ class ContactSurface:
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
 
-    def spread(self, order: NDArray[np.intp] | None = None) -> sp.csr_matrix:
+    def spread(self, order: NDArray[np.intp] | None = None) -> scipy.sparse.csr_matrix:
         """To the integration points from the values, or from values whose `order` tells where each of these stands."""
         points, per_value = len(self.weights), self.per_facet if self.rule.name == "facet" else 1
         values = np.arange(points) // per_value
         columns = values if order is None else order[values]
-        return sp.csr_matrix((np.ones(points), columns, np.arange(points + 1)), shape=(points, points // per_value))
+        return scipy.sparse.csr_matrix(
+            (np.ones(points), columns, np.arange(points + 1)), shape=(points, points // per_value)
+        )
 
     @cached_property
     def value_weights(self) -> Floats:
@@ -58,11 +60,11 @@ class ContactSurface:
         return self.facet_areas if self.rule.name == "facet" else self.weights
 
     @cached_property
-    def average(self) -> sp.csr_matrix | None:
+    def average(self) -> scipy.sparse.csr_matrix | None:
         """From the integration points to the values: the mean over what belongs to each; None where they are one."""
         if self.rule.name != "facet":
             return None
-        return sp.diags(1.0 / self.value_weights) @ self.spread().T @ sp.diags(self.weights)
+        return scipy.sparse.diags(1.0 / self.value_weights) @ self.spread().T @ scipy.sparse.diags(self.weights)
 
     def mean(self, rows: Any) -> Any:
         """The rows (integration points, n) of an array or a sparse matrix, averaged to the values."""
@@ -95,7 +97,7 @@ class ContactSurface:
         return facet_points(self.body.mesh.domain, self.entities, np.tile(self.centre, (len(self.entities), 1)))
 
     @cached_property
-    def nodal_trace(self) -> sp.csr_matrix:
+    def nodal_trace(self) -> scipy.sparse.csr_matrix:
         """The normal displacement at the nodes of the surface, each once: what the paper's stopping rule looks at."""
         domain, dim = self.body.mesh.domain, self.body.mesh.dim
         nodes = basix.create_element(
@@ -129,7 +131,7 @@ class RobinTerm:
         self._form = compat.form(expression, entity_map)
         self._matrix = fem.create_matrix(self._form)
 
-    def matrix(self, phi: Floats) -> sp.csr_matrix:
+    def matrix(self, phi: Floats) -> scipy.sparse.csr_matrix:
         """The assembled Robin term for the coefficient's values; its sparsity is always the same."""
         self.phi.x.array[self._dofs] = phi
         self.phi.x.scatter_forward()
@@ -164,8 +166,8 @@ class Side:
 
     body: int
     surface: ContactSurface
-    trace: sp.csr_matrix
-    transfer: sp.csr_matrix
+    trace: scipy.sparse.csr_matrix
+    transfer: scipy.sparse.csr_matrix
 
 
 @dataclass(frozen=True)
@@ -174,7 +176,7 @@ class GivenGap:
     they are the same."""
 
     points: Floats
-    mean: sp.csr_matrix | None
+    mean: scipy.sparse.csr_matrix | None
 
     def at(self, gap: Gap) -> Floats:
         values = evaluate("gap", gap, self.points.T)
@@ -253,7 +255,7 @@ def _on_segments(
         values, weights = partners.mean(), np.bincount(partners.segment, partners.weights)
         member = np.unique(partners.segment, return_index=True)[1]
     else:
-        values, weights = sp.eye(len(partners.weights), format="csr"), partners.weights
+        values, weights = scipy.sparse.eye(len(partners.weights), format="csr"), partners.weights
         member = np.arange(len(weights))
     normal = values @ partners.normal
     given = GivenGap(partners.middle, values)
@@ -281,14 +283,14 @@ def _on_segments(
     )
 
 
-def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> sp.csr_matrix:
+def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> scipy.sparse.csr_matrix:
     """From the values at an interface, `owner` their facets, to a body's own integration points: the facets' means.
 
     A facet that is only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
     """
     count = len(surface.facets)
     shares = (weights / surface.facet_areas[owner], (owner, np.arange(len(owner))))
-    means = sp.csr_matrix(shares, shape=(count, len(owner)))
+    means = scipy.sparse.csr_matrix(shares, shape=(count, len(owner)))
     return means[np.repeat(np.arange(count), surface.per_facet)]
 
 

@@ -25,7 +25,8 @@ from .subproblem import Subproblem
 Floats = NDArray[np.float64]
 Observer = Callable[[Record], bool]
 
-#: Contact unknowns up to which "auto" factors the coupled system.
+#: Contact unknowns of a body up to which "auto" factors the coupled system, or as many in more bodies as make no more
+#: entries: those of one body are all coupled, those of different ones only across their contacts.
 LARGEST_DIRECT = 6000
 #: What a measure has to fall to for the run to have come closer.
 PROGRESS = 0.99
@@ -325,7 +326,8 @@ def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple
     if scheme.step == "apart":
         return Apart(problems, scene.ranks), ""
     unknowns = sum(problem.size for problem in problems)
-    small = unknowns <= LARGEST_DIRECT and not any(isinstance(p, MultigridSubproblem) for p in problems)
+    entries = sum(problem.size**2 for problem in problems)
+    small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridSubproblem) for p in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {unknowns} unknowns factored" if scheme.step == "auto" else ""
         return Direct(problems, scene.interfaces), note

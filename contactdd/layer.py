@@ -16,9 +16,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import scipy  # its parts are imported by their first use
 from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator, PPoly
-from scipy.special import expit
 
 from .errors import positive
 
@@ -320,7 +319,7 @@ class TableLayer(Layer):
 
     compressions: Sequence[float]
     pressures: Sequence[float]
-    _law: PPoly = field(init=False, repr=False, compare=False)
+    _law: scipy.interpolate.PPoly = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         c, p = _column("compressions", self.compressions), _column("pressures", self.pressures)
@@ -394,15 +393,15 @@ def _with_origin(c: Array, p: Array) -> tuple[Array, Array]:
     return c, p
 
 
-def _monotone_cubic(c: Array, p: Array) -> PPoly:
+def _monotone_cubic(c: Array, p: Array) -> scipy.interpolate.PPoly:
     """The C¹ monotone cubic through the points, with a last piece that goes on straight."""
-    slopes = PchipInterpolator(c, p).derivative()(c)
+    slopes = scipy.interpolate.PchipInterpolator(c, p).derivative()(c)
     chords = np.diff(p) / np.diff(c)
     for end in (0, -1):
         slopes[end] = slopes[end] if slopes[end] > 0 else chords[end] / 2
-    law = CubicHermiteSpline(c, p, slopes)
+    law = scipy.interpolate.CubicHermiteSpline(c, p, slopes)
     straight = [[0.0], [0.0], [slopes[-1]], [p[-1]]]
-    return PPoly(np.hstack((law.c, straight)), np.append(c, 2 * c[-1]))
+    return scipy.interpolate.PPoly(np.hstack((law.c, straight)), np.append(c, 2 * c[-1]))
 
 
 def _check_agreement(argument: str, given: Array, implied: Array) -> None:
@@ -449,8 +448,8 @@ def _solve_increasing(function: Callable[[Array], Array], target: Array, lower: 
 def _tanh_sinh(step: float = 1 / 16, end: float = 3.5) -> tuple[Array, Array]:
     """Points and weights on [0, 1] that don't mind a singularity at either end."""
     t = np.arange(-end, end + step / 2, step)
-    points = expit(np.pi * np.sinh(t))
-    return points, step * np.pi * np.cosh(t) * points * expit(-np.pi * np.sinh(t))
+    points = 1 / (1 + np.exp(-np.pi * np.sinh(t)))
+    return points, step * np.pi * np.cosh(t) * points / (1 + np.exp(np.pi * np.sinh(t)))
 
 
 _TINY = 1e-300

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cache
 
-from scipy.optimize import brentq
+import scipy
 
 #: The step need not be exact: a thousandth of it is far below what it changes in the next correction.
 ACCURACY = 1e-3
@@ -26,4 +26,4 @@ def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) ->
         if upper >= largest:
             return upper
         upper *= 2.0
-    return float(brentq(slope, 0.0, upper, xtol=1e-12, rtol=ACCURACY))
+    return float(scipy.optimize.brentq(slope, 0.0, upper, xtol=1e-12, rtol=ACCURACY))

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 from numpy.typing import NDArray
 from petsc4py import PETSc
-from scipy.sparse.linalg import LinearOperator, cg
 
 from .rigid import pivots
 from .subproblem import Subproblem
@@ -55,12 +54,12 @@ class MultigridSubproblem(Subproblem):
             return self.stiffness @ y + held * y + sum(trace.T @ (w * (trace @ y)) for trace, w in terms)
 
         shape = (self.size, self.size)
-        solution, failed = cg(
-            LinearOperator(shape, apply, dtype=float),
+        solution, failed = scipy.sparse.linalg.cg(
+            scipy.sparse.linalg.LinearOperator(shape, apply, dtype=float),
             residual,
             rtol=self.ACCURACY,
             maxiter=2000,
-            M=LinearOperator(shape, self._cycle, dtype=float),
+            M=scipy.sparse.linalg.LinearOperator(shape, self._cycle, dtype=float),
         )
         if failed:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: the multigrid iterations do not converge")
@@ -79,10 +78,10 @@ class MultigridSubproblem(Subproblem):
         self._made_for = total
         matrix = self.stiffness
         for port in self.ports:
-            matrix = matrix + port.robin_trace.T @ sp.diags(self._weights(port, phi)) @ port.robin_trace
+            matrix = matrix + port.robin_trace.T @ scipy.sparse.diags(self._weights(port, phi)) @ port.robin_trace
         held = np.zeros(self.size)
         held[pivots(self.rigid.modes @ self.rigid.free(phi))] = self.rigid.largest
-        self._multigrid = Multigrid(self, (matrix + sp.diags(held)).tocsr())
+        self._multigrid = Multigrid(self, (matrix + scipy.sparse.diags(held)).tocsr())
 
     def _cycle(self, forces: Floats) -> Floats:
         return self._multigrid.cycle(forces)
@@ -95,9 +94,9 @@ class Multigrid:
     all its components, as the aggregation of nodes wants.
     """
 
-    def __init__(self, problem: Subproblem, matrix: sp.csr_matrix) -> None:
+    def __init__(self, problem: Subproblem, matrix: scipy.sparse.csr_matrix) -> None:
         self._basis, dim = problem.basis, problem.body.mesh.dim
-        outside = sp.eye(self._basis.shape[0], format="csr") - self._basis @ self._basis.T
+        outside = scipy.sparse.eye(self._basis.shape[0], format="csr") - self._basis @ self._basis.T
         full = (self._basis @ matrix @ self._basis.T + problem.rigid.largest * outside).tocsr()
         full.sort_indices()
         arrays = (full.indptr.astype(PETSc.IntType), full.indices.astype(PETSc.IntType), full.data)

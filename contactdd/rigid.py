@@ -12,8 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
+import scipy
 from numpy.typing import NDArray
 
 from .errors import LooseBodyError
@@ -35,7 +34,7 @@ class Resistance:
 
     interface: int
     rows: Floats
-    transfer: sp.csr_matrix | None = None
+    transfer: scipy.sparse.csr_matrix | None = None
 
     def root(self, phi: Mapping[int, Floats]) -> Floats:
         """R of the stiffness RᵀR, (points, motions)."""
@@ -156,7 +155,7 @@ def pivots(motions: Floats) -> NDArray[np.intp]:
     return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: motions.shape[1]]
 
 
-def allowed_motions(modes: Floats, basis: sp.csr_matrix) -> tuple[Floats, Floats]:
+def allowed_motions(modes: Floats, basis: scipy.sparse.csr_matrix) -> tuple[Floats, Floats]:
     """The rigid motions that the supports allow.
 
     modes: (dofs, motions) all of a body; basis: Z of u = Z y + u₀. Returns the unknowns of an orthonormal set

@@ -87,11 +87,16 @@ class Scene:
             if kind != "multigrid":
                 refuse_if_too_large(body)
             if kind == "condensed":
-                made: Subproblem = CondensedSubproblem(self._subproblem("assembled", place), self.ranks.team(place))
+                made: Subproblem = self._condensed(place)
             else:
                 made = (Subproblem if kind == "assembled" else MultigridSubproblem)(body, place, self.interfaces)
             self._subproblems[kind, place] = made
         return self._subproblems[kind, place]
+
+    def _condensed(self, place: int) -> CondensedSubproblem:
+        """One body's condensed problem; identical bodies share the factorisation of the inside."""
+        others = [p for p in self._subproblems.values() if type(p) is CondensedSubproblem]
+        return CondensedSubproblem(self._subproblem("assembled", place), self.ranks.team(place), others)
 
     def refresh(self) -> None:
         """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.

@@ -13,11 +13,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
-import scipy.sparse as sp
+import scipy
 from mpi4py import MPI
 from numpy.typing import NDArray
-from scipy.linalg import lapack
 
 from .body import Body
 from .factor import Factor, SpreadFactor
@@ -39,9 +37,9 @@ class Port:
 
     interface: int
     side: Side
-    trace: sp.csr_matrix
+    trace: scipy.sparse.csr_matrix
     offset: Floats
-    robin_trace: sp.csr_matrix
+    robin_trace: scipy.sparse.csr_matrix
 
 
 @dataclass(frozen=True)
@@ -91,7 +89,7 @@ class Subproblem:
         self.constant = float(0.5 * self.fixed @ prescribed - self.full_load @ self.fixed)
 
     @cached_property
-    def nodal_trace(self) -> sp.csr_matrix:
+    def nodal_trace(self) -> scipy.sparse.csr_matrix:
         """u_n at the nodes of all contact surfaces from the unknowns, but for `nodal_offset`."""
         return columns(self._nodal, self.basis)
 
@@ -101,9 +99,9 @@ class Subproblem:
         return self._nodal @ self.fixed
 
     @cached_property
-    def _nodal(self) -> sp.csr_matrix:
+    def _nodal(self) -> scipy.sparse.csr_matrix:
         """u_n at the nodes of all contact surfaces, from all degrees of freedom."""
-        return sp.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
+        return scipy.sparse.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
 
     @property
     def size(self) -> int:
@@ -146,7 +144,7 @@ class Subproblem:
         """All degrees of freedom of the displacement."""
         return self.basis @ y + self.fixed
 
-    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats | None:
+    def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
         """operator @ displacement(y) where the unknowns alone tell it, else None; operator: on all dofs."""
         return operator @ (self.basis @ y + self.fixed)
 
@@ -186,7 +184,7 @@ class Subproblem:
     @cached_property
     def _diagonal(self) -> NDArray[np.intp]:
         """Where the diagonal stands among the entries of the stiffness matrix."""
-        return _places(self.stiffness, sp.eye(self.size, format="csr"))
+        return _places(self.stiffness, scipy.sparse.eye(self.size, format="csr"))
 
     def _system_values(self, phi: Mapping[int, Floats]) -> Floats:
         """The entries of A + Φ at the places of the stiffness matrix."""
@@ -217,20 +215,43 @@ class CondensedSubproblem(Subproblem):
     The stiffness becomes the dense Schur complement S, a step costs one dense Cholesky factorisation of S + Φ, and
     the inside is recovered when the displacement is asked for.
 
-    comm: the ranks that eliminate the inside together; all of them have made the same inner problem.
+    comm: the ranks that eliminate the inside together; all of them have made the same inner problem. others: problems
+    whose factorisation is shared where it is the same, that of an identical body.
     """
 
-    def __init__(self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF) -> None:
+    def __init__(
+        self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF, others: Sequence[CondensedSubproblem] = ()
+    ) -> None:
         self.body, self.basis = inner.body, inner.basis
         self.full_stiffness, self.full_springs = inner.full_stiffness, inner.full_springs
         self.kept = _touched(inner)
         self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
-        alone = comm.size == 1
-        self._inside = Factor(inner.stiffness, self.kept) if alone else SpreadFactor(inner.stiffness, self.kept, comm)
+        twin = next(
+            (other for other in others if comm.size == 1 and other.eliminates(inner.stiffness, self.kept)), None
+        )
+        if twin is not None:
+            self._inside = twin._inside
+        else:
+            self._inside = (
+                Factor(inner.stiffness, self.kept) if comm.size == 1 else SpreadFactor(inner.stiffness, self.kept, comm)
+            )
         self.stiffness = self._inside.complement
         self._set_inner(inner)
         self._keep_springs()
         self._set_loads()
+
+    def eliminates(self, stiffness: scipy.sparse.csr_matrix, kept: NDArray[np.intp]) -> bool:
+        """Whether a body of that stiffness, seen from the kept unknowns, is the same as this one, to rounding."""
+        own = self._inner.stiffness
+        if own.shape != stiffness.shape or own.nnz != stiffness.nnz or not np.array_equal(self.kept, kept):
+            return False
+        # Bodies that are moved copies differ by the rounding of their coordinates.
+        rounding = 1e-12 * self.rigid.largest
+        if abs(own.data[0] - stiffness.data[0]) > rounding:  # most that differ do so at once
+            return False
+        stiffness.sort_indices()
+        same = np.array_equal(own.indptr, stiffness.indptr) and np.array_equal(own.indices, stiffness.indices)
+        return same and bool(np.abs(own.data - stiffness.data).max(initial=0.0) <= rounding)
 
     def refreshed_for(self, inner: Subproblem) -> CondensedSubproblem:
         """The same condensed problem for `inner` with other loads and prescribed displacements."""
@@ -281,7 +302,7 @@ class CondensedSubproblem(Subproblem):
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._solve_inside(y))
 
-    def seen(self, y: Floats, operator: sp.csr_matrix) -> Floats | None:
+    def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
         known, unknown = np.zeros(self.basis.shape[1]), np.ones(self.basis.shape[1])
         known[self.kept], unknown[self.kept] = y, 0.0
         if np.any((np.abs(self.basis) @ unknown)[operator.indices]):
@@ -289,7 +310,7 @@ class CondensedSubproblem(Subproblem):
         return super().seen(known, operator)
 
     @cached_property
-    def nodal_trace(self) -> sp.csr_matrix:
+    def nodal_trace(self) -> scipy.sparse.csr_matrix:
         return columns(self._nodal, self.basis)[:, self.kept]
 
     def restrict(self, u: Floats) -> Floats:
@@ -300,7 +321,7 @@ class CondensedSubproblem(Subproblem):
         for port in self.ports:
             rows.append(port.trace)
             values.append(normal_displacement[port.interface] - port.offset)
-        return sp.linalg.lsqr(sp.vstack(rows), np.concatenate(values), atol=1e-15, btol=1e-15)[0]
+        return scipy.sparse.linalg.lsqr(scipy.sparse.vstack(rows), np.concatenate(values), atol=1e-15, btol=1e-15)[0]
 
     def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
         matrix = self._system(phi)
@@ -309,7 +330,7 @@ class CondensedSubproblem(Subproblem):
         return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
 
     @cached_property
-    def _robin(self) -> list[tuple[NDArray[np.intp], sp.csr_matrix]]:
+    def _robin(self) -> list[tuple[NDArray[np.intp], scipy.sparse.csr_matrix]]:
         """Where the Robin terms stand in the matrix, and the operators from φ to their entries."""
         maps = [product_map(port.robin_trace, port.side.surface.weights) for port in self.ports]
         return [(places, (m @ port.side.transfer).tocsr()) for port, (places, m) in zip(self.ports, maps, strict=True)]
@@ -324,7 +345,7 @@ class CondensedSubproblem(Subproblem):
     def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
         matrix = self._system(phi)
         matrix[ground, ground] += self.rigid.largest
-        _, solution, info = lapack.dposv(matrix, residual, overwrite_a=True)
+        _, solution, info = scipy.linalg.lapack.dposv(matrix, residual, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
         return solution
@@ -364,7 +385,7 @@ class RemoteSubproblem(CondensedSubproblem):
 Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
 
 
-def ports(place: int, interfaces: Sequence[Interface], basis: sp.csr_matrix, fixed: Floats) -> list[Port]:
+def ports(place: int, interfaces: Sequence[Interface], basis: scipy.sparse.csr_matrix, fixed: Floats) -> list[Port]:
     """Where the interfaces meet the body at a place of the scene, in the unknowns of u = Z y + u₀."""
     return [
         Port(
@@ -401,7 +422,7 @@ def _hold(modes: Floats) -> bool:
     return len(singular) == modes.shape[1] and singular[-1] > 1e-8 * singular[0]
 
 
-def product_map(trace: sp.csr_matrix, weights: Floats) -> tuple[NDArray[np.intp], sp.csr_matrix]:
+def product_map(trace: scipy.sparse.csr_matrix, weights: Floats) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
     """Where the entries of traceᵀ diag(weights φ) trace stand in the flattened matrix, and the operator from φ to them.
 
     For values that change in every step at places that never do.
@@ -413,15 +434,15 @@ def product_map(trace: sp.csr_matrix, weights: Floats) -> tuple[NDArray[np.intp]
     i, j = start + local // counts[point], start + local % counts[point]
     places, entry = np.unique(trace.indices[i] * np.int64(trace.shape[1]) + trace.indices[j], return_inverse=True)
     values = trace.data[i] * trace.data[j] * weights[point]
-    return places, sp.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
+    return places, scipy.sparse.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
 
 
-def _places(matrix: sp.csr_matrix, term: sp.csr_matrix) -> NDArray[np.intp]:
+def _places(matrix: scipy.sparse.csr_matrix, term: scipy.sparse.csr_matrix) -> NDArray[np.intp]:
     """The positions in matrix.data of the entries of a matrix whose sparsity is contained in it."""
     matrix.sort_indices()
     term.sort_indices()
 
-    def keys(m: sp.csr_matrix) -> NDArray[np.int64]:
+    def keys(m: scipy.sparse.csr_matrix) -> NDArray[np.int64]:
         return np.repeat(np.arange(m.shape[0], dtype=np.int64), np.diff(m.indptr)) * m.shape[1] + m.indices
 
     return np.searchsorted(keys(matrix), keys(term))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.sparse as sp
+import scipy
 import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
@@ -133,7 +133,7 @@ def surface_nodes(body: Body, surface: str) -> NDArray[np.int32]:
     return fem.locate_dofs_topological(body.space, body.mesh.dim - 1, body.mesh.facets(surface))
 
 
-def affine_space(body: Body) -> tuple[sp.csr_matrix, Floats]:
+def affine_space(body: Body) -> tuple[scipy.sparse.csr_matrix, Floats]:
     """(Z, u₀) with u = Z y + u₀ for every displacement that the supports of the body allow.
 
     Z has orthonormal columns, shape (dofs, free dofs); it only selects where all prescribed directions are axes.
@@ -156,19 +156,19 @@ def affine_space(body: Body) -> tuple[sp.csr_matrix, Floats]:
     return _assemble(fixed, blocks), offset.ravel()
 
 
-def columns(matrix: sp.csr_matrix, basis: sp.csr_matrix) -> sp.csr_matrix:
+def columns(matrix: scipy.sparse.csr_matrix, basis: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
     """matrix @ Z."""
     free = _selection(basis)
     return (matrix @ basis).tocsr() if free is None else matrix[:, free]
 
 
-def within(basis: sp.csr_matrix, matrix: sp.csr_matrix) -> sp.csr_matrix:
+def within(basis: scipy.sparse.csr_matrix, matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
     """Zᵀ @ matrix @ Z."""
     free = _selection(basis)
     return (basis.T @ matrix @ basis).tocsr() if free is None else matrix[free][:, free]
 
 
-def _selection(basis: sp.csr_matrix) -> NDArray[np.intp] | None:
+def _selection(basis: scipy.sparse.csr_matrix) -> NDArray[np.intp] | None:
     """The free degrees of freedom, where Z only selects them in order."""
     rows = np.flatnonzero(np.diff(basis.indptr))
     size = basis.shape[1]
@@ -208,7 +208,7 @@ def _refuse_open_axis(body: Body, fixed: NDArray[np.bool_]) -> None:
             )
 
 
-def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> sp.csr_matrix:
+def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> scipy.sparse.csr_matrix:
     """Z from the axis-aligned conditions and the nodes' own blocks."""
     dim = fixed.shape[1]
     selected = ~fixed
@@ -223,7 +223,7 @@ def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> sp.csr_mat
         values.append(block.ravel())
         size += free
     entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return sp.csr_matrix(entries, shape=(fixed.size, size))
+    return scipy.sparse.csr_matrix(entries, shape=(fixed.size, size))
 
 
 def _plane_normal(body: Body, surface: str) -> Floats:

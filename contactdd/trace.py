@@ -11,7 +11,7 @@ from functools import cache
 
 import basix
 import numpy as np
-import scipy.sparse as sp
+import scipy
 from dolfinx import fem
 from dolfinx import mesh as dmesh
 from numpy.typing import NDArray
@@ -80,7 +80,9 @@ def facet_type(domain: dmesh.Mesh) -> basix.CellType:
     return basix.cell.subentity_types(compat.coordinate_map(domain).cell_type)[domain.topology.dim - 1][0]
 
 
-def normal_trace(space: fem.FunctionSpace, points: FacetPoints, normal: Floats | None = None) -> sp.csr_matrix:
+def normal_trace(
+    space: fem.FunctionSpace, points: FacetPoints, normal: Floats | None = None
+) -> scipy.sparse.csr_matrix:
     """The sparse operator from the degrees of freedom of `space` to u·n at the points, (n, dofs).
 
     normal: (n, dim), another direction than the outward normal.
@@ -94,7 +96,7 @@ def normal_trace(space: fem.FunctionSpace, points: FacetPoints, normal: Floats |
     columns = (dofmap.list[points.cells][:, :, None] * dim + np.arange(dim)).reshape(values.shape)
     size = dim * (dofmap.index_map.size_local + dofmap.index_map.num_ghosts)
     ends = np.concatenate([[0], np.cumsum(np.count_nonzero(seen, axis=1))])
-    operator = sp.csr_matrix((values[seen], columns[seen], ends), shape=(len(basis), size))
+    operator = scipy.sparse.csr_matrix((values[seen], columns[seen], ends), shape=(len(basis), size))
     operator.sort_indices()
     return operator
 

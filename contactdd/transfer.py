@@ -15,9 +15,8 @@ from typing import TYPE_CHECKING
 
 import basix
 import numpy as np
-import scipy.sparse as sp
+import scipy
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from .errors import MeshMismatchError
 from .search import FACING, facing_pairs
@@ -57,12 +56,12 @@ class Partners:
         """Midway between the partners, (n, dim)."""
         return 0.5 * (self.points[0].x + self.points[1].x)
 
-    def mean(self) -> sp.csr_matrix:
+    def mean(self) -> scipy.sparse.csr_matrix:
         """From the points to the segments: the mean over each."""
         count = int(self.segment.max()) + 1
         total = np.bincount(self.segment, self.weights, count)
         rows = (self.weights / total[self.segment], (self.segment, np.arange(len(self.segment))))
-        return sp.csr_matrix(rows, shape=(count, len(self.segment)))
+        return scipy.sparse.csr_matrix(rows, shape=(count, len(self.segment)))
 
     def covered(self, side: int, count: int) -> Floats:
         """How much of each of the side's `count` facets has a partner, in the facet's own area."""
@@ -76,7 +75,7 @@ def matching(first: ContactSurface, second: ContactSurface, reach: float) -> Ind
     if len(second.facets) != n or first.corners.shape != second.corners.shape:
         return None
     middles = [side.points.x.reshape(n, -1, dim).mean(axis=1) for side in (first, second)]
-    distance, facet = cKDTree(middles[1]).query(middles[0])
+    distance, facet = scipy.spatial.cKDTree(middles[1]).query(middles[0])
     if len(np.unique(facet)) != n or distance.max() > reach:
         return None
     normal = first.points.normal.reshape(n, -1, dim)
@@ -188,7 +187,7 @@ def _why_none(contact: Contact, first: ContactSurface, second: ContactSurface, r
     name = f"contact {contact.name!r}: the surfaces {first.surface!r} and {second.surface!r} "
     if np.min(first.middles.normal @ second.middles.normal.T) > -np.cos(FACING):
         return name + "do not face each other (their outward normals do not point towards one another)"
-    nearest = float(cKDTree(second.middles.x).query(first.middles.x)[0].min())
+    nearest = float(scipy.spatial.cKDTree(second.middles.x).query(first.middles.x)[0].min())
     if nearest > reach:
         return name + f"are {nearest:.3g} apart; expected a distance within search_distance = {reach:.3g}"
     return name + "do not overlap: no facet of one lies opposite a facet of the other"

@@ -1,0 +1,58 @@
+"""Identical bodies share the factorisation of their inside, and nothing changes by it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import contactdd as cd
+from contactdd.subproblem import CondensedSubproblem
+
+
+def stack(moduli: list[float], heights: list[float] | None = None) -> cd.Scene:
+    """Plates on a foundation, grooves between them."""
+    heights = heights or [1.0] * len(moduli)
+    plates, top = [], 0.0
+    for place, (modulus, height) in enumerate(zip(moduli, heights, strict=True)):
+        mesh = cd.rectangle((0, top), (4, top + height), (12, 4))
+        top += height
+        sides = cd.Symmetry("left", "right")
+        supports = [sides, cd.Fixed("bottom")] if place == 0 else [sides]
+        loads = [cd.Pressure("top", 10.0)] if place == len(moduli) - 1 else []
+        plates.append(cd.Body(f"plate {place}", mesh, cd.Isotropic(modulus, 0.3), supports=supports, loads=loads))
+    layer = cd.PowerLayer(B=4e-6, a=1.1)
+    contacts = [
+        cd.Contact((a, "top"), (b, "bottom"), layer, gap=lambda x: 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5)
+        for a, b in pairwise(plates)
+    ]
+    return cd.Scene(plates, contacts)
+
+
+def factors(scene: cd.Scene) -> int:
+    """How many factorisations the bodies have between them."""
+    return len({id(problem._inside) for problem in scene.subproblems("condensed")})
+
+
+def test_only_identical_bodies_share():
+    assert factors(stack([2e5] * 6)) == 3  # the lowest is held, the highest has one contact
+    assert factors(stack([2e5, 1e5, 2e5, 1e5, 2e5, 1e5])) == 4
+    assert factors(stack([2e5] * 6, [1.0, 1.0, 1.0, 1.0 + 1e-9, 1.0, 1.0])) == 4
+
+
+@pytest.mark.parametrize("method", ["auto", "chord"])
+def test_sharing_changes_nothing(method, monkeypatch):
+    tolerance = 1e-10 if method == "auto" else 1e-6
+    shared = cd.solve(stack([2e5] * 5), method, tolerance=tolerance)
+    monkeypatch.setattr(CondensedSubproblem, "eliminates", lambda *arguments: False)
+    scene = stack([2e5] * 5)
+    alone = cd.solve(scene, method, tolerance=tolerance)
+    assert factors(scene) == 5
+    assert shared.iterations == alone.iterations
+    for body in scene.bodies:
+        u, v = (solution.displacement(body.name).x.array for solution in (shared, alone))
+        assert u == pytest.approx(v, abs=1e-9 * np.abs(v).max())
+    for contact in scene.contacts:
+        p, q = (solution.contact(contact.name).pressure for solution in (shared, alone))
+        assert p == pytest.approx(q, abs=1e-7 * q.max())
