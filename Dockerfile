@@ -9,8 +9,8 @@ RUN apt-get update \
       $(sed 's/#.*//' /usr/share/contactdd/.debian-packages) \
  && rm -rf /var/lib/apt/lists/*
 # Any user may run the image, also one without an account: a home that everyone can write. MPI's ranks are all in this
-# container, perhaps more than it has cores, and root may start them.
-ENV HOME=/var/cache/contactdd LANG=C.UTF-8 OMPI_MCA_btl=self,sm PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe \
+# container, perhaps more than it has cores, and root may start them. BLAS threads beyond the free cores only wait.
+ENV HOME=/var/cache/contactdd LANG=C.UTF-8 OMP_NUM_THREADS=1 OMPI_MCA_btl=self,sm PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe \
     OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 RUN mkdir -m 1777 "$HOME"
 ENTRYPOINT ["tini", "-g", "--"]

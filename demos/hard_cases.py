@@ -143,6 +143,20 @@ def judge(outcomes: list[Outcome]) -> dict[str, int]:
     }
 
 
+def print_methods(outcomes: list[Outcome]) -> None:
+    """What each method can, as the table of the README."""
+    print("\n| method | solved | refused rightly | steps, median (most) | body solves, median |\n|---|---|---|---|---|")
+    for name in METHODS:
+        solvable = [o for o in outcomes if o.method == name and o.solvable]
+        refused = [o.status == "no equilibrium" for o in outcomes if o.method == name and not o.solvable]
+        done = [o for o in solvable if o.status == "converged"]
+        steps, solves = [o.iterations for o in done], [o.body_solves for o in done]
+        print(
+            f"| {name} | {len(done)} of {len(solvable)} | {sum(refused)} of {len(refused)} "
+            f"| {np.median(steps):.0f} ({max(steps)}) | {np.median(solves):.0f} |"
+        )
+
+
 def locking() -> list[dict[str, float | str]]:
     """Nearly incompressible bodies: the error of the pressure by element, against the semi-analytic reference."""
     elements = {
@@ -190,6 +204,7 @@ def main(arguments: list[str] | None = None) -> None:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
         writer.writerows(rows)
+    print_methods(outcomes)
     print("\nAuto: steps, solves of single bodies, residual, error, seconds")
     for o in outcomes:
         if o.method == "auto" and o.solvable:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
+
 import hard_cases
 import hard_scenes
+import limits
 import numpy as np
 import pytest
 
@@ -48,6 +51,56 @@ def test_count_does_not_grow_with_the_number_of_bodies(method):
     assert many.iterations <= 2 * few.iterations
     # Solves of one body in one step: at most twice those in a stack of two.
     assert many.history.body_solves[-1] / 64 / many.iterations <= 2 * few.history.body_solves[-1] / 2 / few.iterations
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "E ratio 1e-06",
+        "layer 1e+03 times as stiff",
+        "a = 10",
+        "random start",
+        "heights 1:50",
+        "a body between two others",
+        "first step opens everything",
+        "all contact lost at the end",
+        "load divided by 1e4, warm start",
+        "stack of 4",
+    ],
+)
+def test_no_method_claims_what_is_not_so(name):
+    """All methods: what converged is at the coupled solution, what did not says so."""
+    verdict = hard_cases.judge(hard_cases.study(SOLVABLE[name]))
+    assert verdict == {"scenes": 1, "runs": len(hard_cases.METHODS), "false convergence": 0, "false refusal": 0,
+                       "auto ends otherwise than it must": 0}  # fmt: skip
+
+
+@pytest.mark.long
+def test_demo(tmp_path):
+    """The whole table."""
+    hard_cases.main(["--out", str(tmp_path)])
+    rows = json.loads((tmp_path / "summary.json").read_text())
+    verdict = hard_cases.judge([hard_cases.Outcome(**row) for row in rows])
+    assert (verdict.pop("scenes"), verdict.pop("runs")) == (67, 67 * len(hard_cases.METHODS))
+    assert set(verdict.values()) == {0}
+    assert (tmp_path / "methods.png").stat().st_size > 5000
+
+
+@pytest.mark.long
+def test_demo_of_limits(tmp_path):
+    limits.main(["--out", str(tmp_path)])
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    gammas, ratios = summary["gammas"], summary["ratios"]
+    soft, hard = ratios.index(1e-4), ratios.index(1e4)
+    for column in limits.METHODS:  # no method arrives beside a soft upper body, all do beside a stiff one
+        assert not any(isinstance(count, int) for count in summary["by_ratio"][column][soft])
+        assert isinstance(summary["by_ratio"][column][hard][gammas.index(0.6)], int)
+        assert summary["by_ratio"][column][hard][gammas.index(1.0)] == limits.DIVERGED
+        best = [min([c for c in row if isinstance(c, int)], default=limits.MOST) for row in summary["by_count"][column]]
+        assert best[-1] == limits.MOST > best[0]  # more bodies, slower
+    for row in summary["theory"]:
+        assert row["measured"] == pytest.approx(row["predicted"], rel=5e-4)  # three digits
+    assert all((tmp_path / name).stat().st_size > 5000 for name in ("moduli.png", "bodies.png"))
 
 
 @pytest.mark.parametrize("name", UNSOLVABLE)
