@@ -15,11 +15,13 @@ import pytest
 ROOT = Path(__file__).parents[1]
 
 
-def run(demo: str, out: Path) -> dict | list:
+def run(demo: str, out: Path, *options: str) -> dict | list:
     """The demo's summary; it runs in a process of its own, as a user would."""
     env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
     env.pop("DISPLAY", None)  # pictures need none
-    subprocess.run([sys.executable, str(ROOT / "demos" / f"{demo}.py"), "--out", str(out)], env=env, check=True)
+    subprocess.run(
+        [sys.executable, str(ROOT / "demos" / f"{demo}.py"), "--out", str(out), *options], env=env, check=True
+    )
     return json.loads((out / "summary.json").read_text())
 
 
@@ -38,6 +40,13 @@ def test_groove(tmp_path):
     assert summary["cpu_seconds"] < 60
     assert (tmp_path / "table.csv").read_text().startswith("gamma,I,II,III\n0.02,109,109,109\n")
     assert all(is_picture(tmp_path / name) for name in ("iterations.png", "contact.png", "bodies.png"))
+
+
+def test_ranks(tmp_path):
+    (row,) = run("ranks", tmp_path, "--quick")
+    assert row["unknowns"] == 2 * 3 * 5**3
+    assert row["difference"] < 1e-10  # what the ranks compute is the same
+    assert is_picture(tmp_path / "ranks.png")
 
 
 def test_short_script(tmp_path):
