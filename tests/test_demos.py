@@ -19,9 +19,8 @@ def run(demo: str, out: Path, *options: str) -> dict | list:
     """The demo's summary; it runs in a process of its own, as a user would."""
     env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
     env.pop("DISPLAY", None)  # pictures need none
-    subprocess.run(
-        [sys.executable, str(ROOT / "demos" / f"{demo}.py"), "--out", str(out), *options], env=env, check=True
-    )
+    script = str(ROOT / "demos" / f"{demo}.py")
+    subprocess.run([sys.executable, script, "--out", str(out), *options], env=env, check=True)
     return json.loads((out / "summary.json").read_text())
 
 
