@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import ranks
 from matplotlib.figure import Figure
 from meter import forget_peak, peak_mb
 from report import Report
@@ -220,12 +221,14 @@ def main(arguments: list[str] | None = None) -> None:
                     f"{row['peak_mb']:8.1f} {row['iterations']:5} {row['body_solves']:6}",
                     flush=True,
                 )
-    # Ranks: measurements with mpirun go here, rows of the kind "ranks".
     fits, paper = exponents(rows), estimate(rows)
     print_exponents(fits)
     print_estimate(paper)
+    print("\ntwo equal solid bodies on one MPI rank and on two (wall time, medians of runs in turn)\n")
+    on_ranks = ranks.compare(ranks.QUICK, 1) if report.quick else ranks.compare(ranks.SIZES, ranks.TURNS)
+    ranks.print_rows(on_ranks)
     draw(rows, report.path("scaling.png"))
-    report.summary({"measurements": rows, "exponents": fits, "estimate": paper})
+    report.summary({"measurements": rows, "exponents": fits, "estimate": paper, "ranks": on_ranks})
 
 
 if __name__ == "__main__":

@@ -41,6 +41,13 @@ def test_groove(tmp_path):
     assert all(is_picture(tmp_path / name) for name in ("iterations.png", "contact.png", "bodies.png"))
 
 
+def test_ranks(tmp_path):
+    (row,) = run("ranks", tmp_path, "--quick")
+    assert row["unknowns"] == 2 * 3 * 5**3
+    assert row["difference"] < 1e-10  # what the ranks compute is the same
+    assert is_picture(tmp_path / "ranks.png")
+
+
 def test_short_script(tmp_path):
     """The README's script: at most 25 lines, it is what the README shows, and it draws."""
     path = ROOT / "demos" / "groove_short.py"
