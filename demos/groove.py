@@ -108,9 +108,15 @@ def draw_iterations(rows: list[dict[str, float | int | None]], path: str) -> Non
     """Fig. 3: iterations against γ."""
     figure = Figure(figsize=(7, 4.6), layout="constrained")
     axes = figure.subplots()
-    for (column, method), style in zip(METHODS.items(), ("o-", "s-", "^-"), strict=True):
+    # The methods agree up to γ = 0.6: the first is drawn large and hollow, so that all can be seen there.
+    styles = (
+        {"marker": "o", "markersize": 10, "mfc": "none"},
+        {"marker": "s", "markersize": 5},
+        {"marker": "^", "ms": 3},
+    )
+    for (column, method), style in zip(METHODS.items(), styles, strict=True):
         points = [(row["gamma"], row[column]) for row in rows if row[column] is not None]
-        axes.semilogy(*zip(*points, strict=True), style, markersize=4, label=f"{column}: {method}")
+        axes.semilogy(*zip(*points, strict=True), label=f"{column}: {method}", **style)
     axes.set_xlabel("relaxation γ")
     axes.set_ylabel("iterations m")
     axes.legend(frameon=False)
