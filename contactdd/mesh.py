@@ -31,14 +31,20 @@ class Mesh:
     """A dolfinx mesh and the boundary facets of each named surface.
 
     domain: the dolfinx mesh (plane or solid, any cell type); surfaces: {name: sorted facet indices}.
-    Raises ValueError for coordinates that are not finite, for cells that are degenerate, inverted or fold over their
-    neighbours, and for a surface without facets or with facets inside the body.
+    Raises ValueError for a mesh spread over several ranks, for coordinates that are not finite, for cells that are
+    degenerate, inverted or fold over their neighbours, and for a surface without facets or with facets inside the body.
     """
 
     domain: dmesh.Mesh
     surfaces: Mapping[str, NDArray[np.int32]]
 
     def __post_init__(self) -> None:
+        ranks = self.domain.comm.size
+        if ranks > 1:
+            raise ValueError(
+                f"domain: the mesh is spread over {ranks} ranks; expected a mesh on one (made on MPI.COMM_SELF). Ranks share "
+                "a scene's bodies: Scene(bodies, contacts, comm=MPI.COMM_WORLD)"
+            )
         _check_cells(self.domain)
         for name, facets in self.surfaces.items():
             _check_surface(self.domain, name, facets)

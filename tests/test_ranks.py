@@ -97,6 +97,18 @@ def test_an_error_ends_all_ranks():
     assert "prescribe different displacements" in done.stderr
 
 
+def test_a_mesh_on_several_ranks_is_refused():
+    code = """
+from mpi4py import MPI
+from dolfinx import mesh
+import contactdd as cd
+cd.from_dolfinx(mesh.create_unit_square(MPI.COMM_WORLD, 4, 4), everywhere=lambda x: x[0] >= 0)
+"""
+    done = launch(2, code, timeout=60)
+    assert done.returncode != 0
+    assert "spread over 2 ranks; expected a mesh on one" in done.stderr
+
+
 def test_bodies_are_dealt_out_by_size():
     assert deal_out(1, [1.0, 2.0]) == [[0], [0]]
     assert deal_out(2, [1.0, 5.0, 3.0, 1.0]) == [[1], [0], [1], [1]]
