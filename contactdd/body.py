@@ -14,6 +14,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from . import compat
+from .errors import tuple_of
 from .kinematics import kinematics as find_kinematics
 from .load import Load
 from .material import Material
@@ -55,8 +56,8 @@ class Body:
         self.name = name
         self.mesh = mesh
         self.material = material
-        self.supports = tuple(supports)
-        self.loads = tuple(loads)
+        self.supports = tuple_of("supports", supports, Support)
+        self.loads = tuple_of("loads", loads, Load)
         self.degree = int(degree)
         self.kinematics = find_kinematics(kinematics, mesh.dim)
         self._check_surfaces()

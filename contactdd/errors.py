@@ -84,3 +84,11 @@ def one_of(name: str, value: Any, choices: tuple[str, ...]) -> str:
     if value not in choices:
         raise ValueError(f"{name} = {value!r}: expected one of {', '.join(map(repr, choices))}")
     return value
+
+
+def tuple_of(name: str, values: Any, kind: Any) -> tuple:
+    """`values` as a tuple, refused unless it is a sequence of the given kind."""
+    if not isinstance(values, (list, tuple)) or not all(isinstance(value, kind) for value in values):
+        kinds = " or ".join(each.__name__ for each in getattr(kind, "__args__", (kind,)))
+        raise TypeError(f"{name} = {values!r}: expected a list of {kinds}")
+    return tuple(values)

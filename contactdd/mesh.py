@@ -42,8 +42,8 @@ class Mesh:
         ranks = self.domain.comm.size
         if ranks > 1:
             raise ValueError(
-                f"domain: the mesh is spread over {ranks} ranks; expected a mesh on one (made on MPI.COMM_SELF). Ranks share "
-                "a scene's bodies: Scene(bodies, contacts, comm=MPI.COMM_WORLD)"
+                f"domain: the mesh is spread over {ranks} ranks; expected a mesh on one (made on MPI.COMM_SELF). "
+                "Ranks share a scene's bodies: Scene(bodies, contacts, comm=MPI.COMM_WORLD)"
             )
         _check_cells(self.domain)
         for name, facets in self.surfaces.items():

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .body import Body
 from .contact import Contact
-from .errors import one_of
+from .errors import one_of, tuple_of
 from .interface import Interface, discretise
 from .layer import Layer
 from .memory import body_unknowns, cheapest_solver, refuse_if_too_large
@@ -36,8 +36,8 @@ class Scene:
     """
 
     def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact], comm: MPI.Comm = MPI.COMM_SELF) -> None:
-        self.bodies = tuple(bodies)
-        self.contacts = tuple(contacts)
+        self.bodies = tuple_of("bodies", bodies, Body)
+        self.contacts = tuple_of("contacts", contacts, Contact)
         self._check()
         self.ranks = Ranks(comm, [body_unknowns(body) for body in self.bodies])
         self._subproblems: dict[tuple[str, int], Subproblem] = {}
@@ -169,19 +169,21 @@ class Scene:
         return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True))
 
     def _check(self) -> None:
+        if not self.contacts:
+            raise ValueError("contacts = []: expected at least two bodies and a contact between them")
         for name, count in Counter(body.name for body in self.bodies).items():
             if count > 1:
                 raise ValueError(f"bodies: the name {name!r} is used {count} times; expected names used once")
         for name, count in Counter(contact.name for contact in self.contacts).items():
             if count > 1:
                 raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
+        used: dict[tuple[int, int], str] = {}
+        for contact in self.contacts:
+            self._check_contact(contact, used)
         touching = {id(body) for contact in self.contacts for body, _ in contact.sides}
         for body in self.bodies:
             if id(body) not in touching:
                 raise ValueError(f"body {body.name!r} has no contact; expected bodies that touch others")
-        used: dict[tuple[int, int], str] = {}
-        for contact in self.contacts:
-            self._check_contact(contact, used)
 
     def _check_contact(self, contact: Contact, used: dict[tuple[int, int], str]) -> None:
         """The bodies of a contact are the scene's, and no facet is in two contacts."""

@@ -72,12 +72,22 @@ def test_values(make, message):
         (lambda: cd.Body("a", "mesh", STEEL), "mesh"),
         (lambda: cd.Body("a", square(), 2.1e5), "material"),
         (lambda: cd.Contact("a", "b", LAYER), "first"),
+        (lambda: cd.Body("a", square(), STEEL, supports=cd.Fixed("top")), "supports = .*expected a list of Fixed or"),
+        (lambda: cd.Body("a", square(), STEEL, loads=[10.0]), "loads = .*expected a list of Pressure or"),
+        (lambda: cd.Scene(["a", "b"], []), "bodies = .*expected a list of Body"),
         (lambda: cd.Contact(pair()[2].sides[0], pair()[2].sides[1], 1e5), "layer"),
     ],
 )
 def test_types(make, message):
     with pytest.raises(TypeError, match=message):
         make()
+
+
+def test_a_scene_needs_bodies_that_touch():
+    lower, upper, _ = pair()
+    for bodies in ([], [lower], [lower, upper]):
+        with pytest.raises(ValueError, match="expected at least two bodies and a contact"):
+            cd.Scene(bodies, [])
 
 
 def test_names_used_twice():
