@@ -188,13 +188,13 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
     """Time and memory against unknowns, solves per body against the number of bodies."""
     figure = Figure(figsize=(11, 3.8), layout="constrained")
     axes = figure.subplots(1, 3)
-    for kind, method in dict.fromkeys((row["kind"], row["method"]) for row in rows):
+    for number, (kind, method) in enumerate(dict.fromkeys((row["kind"], row["method"]) for row in rows)):
         family = [row for row in rows if (row["kind"], row["method"]) == (kind, method)]
-        label = f"{kind}, {method}"
+        style: dict[str, Any] = {"ms": 4, "label": f"{kind}, {method}", "color": f"C{number}"}
         for place, what in enumerate(("cpu_seconds", "peak_mb")):
-            axes[place].loglog([r["unknowns"] for r in family], [r[what] for r in family], "o-", ms=4, label=label)
+            axes[place].loglog([r["unknowns"] for r in family], [r[what] for r in family], "o-", **style)
         if kind == "bodies":
-            axes[2].semilogx([r["bodies"] for r in family], [r["body_solves"] for r in family], "o-", ms=4, label=label)
+            axes[2].semilogx([r["bodies"] for r in family], [r["body_solves"] for r in family], "o-", **style)
     for place, (x, y) in enumerate(
         (("unknowns", "CPU seconds"), ("unknowns", "peak memory, MB"), ("bodies", "solves per body"))
     ):
