@@ -71,12 +71,6 @@ class ContactSurface:
         return rows if self.average is None else self.average @ rows
 
     @cached_property
-    def facet_of_value(self) -> NDArray[np.intp]:
-        """The position in `facets` that each value belongs to."""
-        per_facet = 1 if self.rule.name == "facet" else self.per_facet
-        return np.arange(len(self.value_weights)) // per_facet
-
-    @cached_property
     def facet_areas(self) -> Floats:
         """The area of each facet."""
         return self.weights.reshape(len(self.facets), -1).sum(axis=1)

@@ -155,7 +155,7 @@ class Run:
     def _iteration(self, k: int, gamma: float | None, residuals: list[Floats], scale: float, residual: float) -> Record:
         """One iteration (16), (25)."""
         state, phi = self.state, self._coefficients()
-        energy = self._energy(state)
+        energy = self.scene.energy(self.problems, state)
         corrections, phi, note = self._corrections(
             phi, residuals, scale, survive=gamma is None or self.anderson is not None
         )
@@ -190,11 +190,6 @@ class Run:
             # A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
             phi[index] = np.minimum(values, 1e8 * self._stiffest / interface.weights)
         return phi
-
-    def _energy(self, state: State) -> float:
-        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        parts = zip(self.problems, state.unknowns, state.deformations, strict=True)
-        return sum(p.energy(y, e) for p, y, e in parts) + self.scene.layer_energy(state.gaps)
 
     def _corrections(
         self, phi: dict[int, Floats], residuals: list[Floats], scale: float, survive: bool
@@ -234,7 +229,7 @@ class Run:
         ends = np.cumsum([len(part) for part in self.state.unknowns])[:-1]
         steps = np.split(self.anderson.step(y, np.concatenate(corrections), gamma), ends)
         moved = self._moved(steps)
-        reached = self._energy(moved)
+        reached = self.scene.energy(self.problems, moved)
         # Near the solution energies differ by less than their own rounding.
         if np.isfinite(reached) and reached <= energy + 1e-12 * abs(energy):
             return steps, ""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .rigid import pivots
-from .subproblem import Subproblem
+from .subproblem import Port, Subproblem
 
 Floats = NDArray[np.float64]
 
@@ -26,6 +26,9 @@ class MultigridSubproblem(Subproblem):
     DRIFT = 4.0
     #: The relative accuracy of a body's own solve: below what the outer iterations ask for.
     ACCURACY = 1e-12
+
+    #: The total Robin stiffness that the present multigrid was set up for.
+    _made_for: float | None = None
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
         """Unknowns near the given u_n: held there by a Robin term a thousand times stiffer than the body's surface."""
@@ -65,15 +68,14 @@ class MultigridSubproblem(Subproblem):
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: the multigrid iterations do not converge")
         return solution
 
-    def _weights(self, port: object, phi: Mapping[int, Floats]) -> Floats:
+    def _weights(self, port: Port, phi: Mapping[int, Floats]) -> Floats:
         """φ times the areas at the integration points of the body's own surface."""
         return port.side.surface.weights * (port.side.transfer @ phi[port.interface])
 
     def _set_up(self, phi: Mapping[int, Floats]) -> None:
         """Make the multigrid for A + Φ unless the present one is near enough."""
         total = sum(float(self._weights(port, phi).sum()) for port in self.ports)
-        made_for = getattr(self, "_made_for", None)
-        if made_for is not None and made_for / self.DRIFT <= total <= made_for * self.DRIFT:
+        if self._made_for is not None and self._made_for / self.DRIFT <= total <= self._made_for * self.DRIFT:
             return
         self._made_for = total
         matrix = self.stiffness

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from mpi4py import MPI
@@ -22,6 +23,9 @@ from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
 from .ranks import Ranks
 from .subproblem import CondensedSubproblem, RemoteSubproblem, Subproblem
+
+if TYPE_CHECKING:
+    from .start import State
 
 Floats = NDArray[np.float64]
 
@@ -167,6 +171,11 @@ class Scene:
     def layer_energy(self, gaps: Sequence[Floats]) -> float:
         """J = Σ ∫ ∫₀^z g⁻."""
         return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True))
+
+    def energy(self, problems: Sequence[Subproblem], state: State) -> float:
+        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
+        parts = zip(problems, state.unknowns, state.deformations, strict=True)
+        return sum(p.energy(y, e) for p, y, e in parts) + self.layer_energy(state.gaps)
 
     def _check(self) -> None:
         if not self.contacts:

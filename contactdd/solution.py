@@ -75,8 +75,8 @@ class ContactResult:
 class Solution:
     """The result of `solve`.
 
-    status: "converged", "iteration limit", "stalled", "diverged" or "stopped"; reason: in words; history: of the
-    iterations; method: the scheme's name.
+    status: "converged", "iteration limit", "stalled", "diverged", "no equilibrium" or "stopped"; reason: in words;
+    history: of the iterations; method: the scheme's name.
     """
 
     def __init__(
@@ -144,8 +144,7 @@ class Solution:
     @property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        parts = zip(self._problems, self._state.unknowns, self._state.deformations, strict=True)
-        return sum(p.energy(y, e) for p, y, e in parts) + self.layer_energy
+        return self.scene.energy(self._problems, self._state)
 
     def stress(self, body: str | Body) -> fem.Function:
         """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
@@ -204,7 +203,7 @@ class Solution:
         return plot_contact(self, contact, **options)
 
     def plot_bodies(self, **options: Any) -> Any:
-        """The deformed bodies coloured by a stress: a pyvista plotter, or a picture file with `path`."""
+        """The deformed bodies coloured by a stress: a picture, also saved to `path`; see `plot.plot_bodies`."""
         from .plot import plot_bodies
 
         return plot_bodies(self, **options)

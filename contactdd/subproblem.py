@@ -41,6 +41,10 @@ class Port:
     offset: Floats
     robin_trace: scipy.sparse.csr_matrix
 
+    def seen_from(self, kept: NDArray[np.intp]) -> Port:
+        """The same in some of the unknowns only."""
+        return replace(self, trace=self.trace[:, kept], robin_trace=self.robin_trace[:, kept])
+
 
 @dataclass(frozen=True)
 class Fields:
@@ -263,9 +267,7 @@ class CondensedSubproblem(Subproblem):
     def _set_inner(self, inner: Subproblem) -> None:
         self._inner = inner
         self.fixed, self.full_load = inner.fixed, inner.full_load
-        self.ports = [
-            Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept]) for p in inner.ports
-        ]
+        self.ports = [port.seen_from(self.kept) for port in inner.ports]
 
     def _keep_springs(self) -> None:
         """Find the rigid motions, and take the rounding of the elimination out of the elastic forces that they meet.
@@ -373,10 +375,7 @@ class RemoteSubproblem(CondensedSubproblem):
         self.body = body
         self.basis, self.fixed = affine_space(body)
         self.kept, self.stiffness, self.load, self.constant, self.full_load, motions = shared
-        self.ports = [
-            Port(p.interface, p.side, p.trace[:, self.kept], p.offset, p.robin_trace[:, self.kept])
-            for p in ports(place, interfaces, self.basis, self.fixed)
-        ]
+        self.ports = [port.seen_from(self.kept) for port in ports(place, interfaces, self.basis, self.fixed)]
         self.rigid = self._rigid_motions(*motions)
 
 
