@@ -15,7 +15,7 @@ import ufl
 from numpy.typing import NDArray
 
 from .errors import one_of
-from .material import VOIGT
+from .material import PLACE, VOIGT
 
 
 @dataclass(frozen=True)
@@ -45,6 +45,11 @@ class Kinematics:
         coupling = stiffness[..., np.array(kept)[:, None], rest]
         held = stiffness[..., np.array(rest)[:, None], rest]
         return block - coupling @ np.linalg.solve(held, np.swapaxes(coupling, -1, -2))
+
+    def tensor(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
+        """C_ijmn between the free strains in the coordinates of the mesh, (dim, dim, dim, dim) from a (6, 6) one."""
+        places = np.searchsorted(self.components, PLACE[: self.dim, : self.dim])
+        return self.reduce(stiffness)[places[:, :, None, None], places]
 
     def full_stress(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
         """The matrix from the free strains to all six stresses, (..., 6, free components) from (..., 6, 6)."""

@@ -7,24 +7,36 @@ displacement and reassembles and refactors its matrix at each step, the plain re
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from .affine import AffineCells, are_affine
 from .body import Body
-from .factor import Factor, SpreadFactor
+from .elimination import Elimination, eliminate_cellwise, eliminate_whole
+from .factor import Factor
 from .forms import load_vector, spring_matrix, stiffness_matrix
 from .interface import Interface, Side
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
-from .support import affine_space, columns, within
+from .support import Spring, affine_space, columns, selection, within
+
+if TYPE_CHECKING:
+    #: An operator that is kept dense where it is small.
+    Operator = scipy.sparse.csr_matrix | NDArray[np.float64]
 
 Floats = NDArray[np.float64]
+
+#: Entries up to which a dense product is faster than a sparse one.
+SMALL = 0
+#: Elements of this degree have much of their unknowns inside of the cells.
+CELLWISE_DEGREE = 3
 
 
 @dataclass(frozen=True)
@@ -37,13 +49,9 @@ class Port:
 
     interface: int
     side: Side
-    trace: scipy.sparse.csr_matrix
+    trace: Operator
     offset: Floats
-    robin_trace: scipy.sparse.csr_matrix
-
-    def seen_from(self, kept: NDArray[np.intp]) -> Port:
-        """The same in some of the unknowns only."""
-        return replace(self, trace=self.trace[:, kept], robin_trace=self.robin_trace[:, kept])
+    robin_trace: Operator
 
 
 @dataclass(frozen=True)
@@ -60,28 +68,90 @@ class Fields:
     elastic_energy: float
 
 
+class Matrices:
+    """A body's stiffness as its forms give it, assembled when first asked for."""
+
+    def __init__(self, body: Body, basis: scipy.sparse.csr_matrix) -> None:
+        self._body, self._basis = body, basis
+
+    @cached_property
+    def springs(self) -> scipy.sparse.csr_matrix:
+        """That of the springs, for all degrees of freedom."""
+        return spring_matrix(self._body)
+
+    @cached_property
+    def full(self) -> scipy.sparse.csr_matrix:
+        """a(u, v) with the springs, for all degrees of freedom."""
+        elastic = stiffness_matrix(self._body)
+        return (elastic + self.springs).tocsr() if self.springs.nnz else elastic
+
+    @cached_property
+    def reduced(self) -> scipy.sparse.csr_matrix:
+        """The same in the unknowns."""
+        return within(self._basis, self.full)
+
+
 class Subproblem:
     """a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n of one body, in the unknowns y of u = Z y + u₀."""
 
     def __init__(self, body: Body, place: int, interfaces: Sequence[Interface]) -> None:
         self.body = body
         self.basis, self.fixed = affine_space(body)
-        self.full_springs = spring_matrix(body)
-        elastic = stiffness_matrix(body)
-        self.full_stiffness = (elastic + self.full_springs).tocsr() if self.full_springs.nnz else elastic
-        self.stiffness = within(self.basis, self.full_stiffness)
-        self.ports = ports(place, interfaces, self.basis, self.fixed)
+        self.matrices = Matrices(body, self.basis)
+        self.sides = sides(place, interfaces)
         self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
-        motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
-        self.rigid = self._rigid_motions(*motions, self.basis.T @ (self.full_springs @ (self.basis @ motions[0])))
+        self.motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
         self._factor: Factor | None = None
+
+    @property
+    def full_stiffness(self) -> scipy.sparse.csr_matrix:
+        """a(u, v) with the springs, for all degrees of freedom."""
+        return self.matrices.full
+
+    @property
+    def full_springs(self) -> scipy.sparse.csr_matrix:
+        """What the springs give, for all degrees of freedom."""
+        return self.matrices.springs
+
+    @cached_property
+    def stiffness(self) -> Operator:
+        """a(u, v) in the unknowns."""
+        return self.matrices.reduced
+
+    @cached_property
+    def ports(self) -> list[Port]:
+        """Where the interfaces meet the unknowns."""
+        return [
+            Port(
+                index,
+                side,
+                columns(side.trace, self.basis),
+                side.trace @ self.fixed,
+                columns(side.surface.trace, self.basis),
+            )
+            for index, side in self.sides
+        ]
+
+    @cached_property
+    def rigid(self) -> RigidMotions:
+        """The rigid motions that the supports leave free."""
+        return self._rigid_motions(*self.motions, self.spring_forces)
+
+    @property
+    def spring_forces(self) -> Floats:
+        """The forces with which springs answer the rigid motions, (unknowns, motions)."""
+        modes = self.motions[0]
+        if not any(isinstance(support, Spring) for support in self.body.supports):
+            return np.zeros_like(modes)
+        return self.basis.T @ (self.full_springs @ (self.basis @ modes))
 
     def refreshed(self) -> Subproblem:
         """The same problem for the present loads and prescribed displacements; all matrices are shared."""
         other = copy(self)
         other.fixed = affine_space(self.body)[1]
-        other.ports = [replace(port, offset=port.side.trace @ other.fixed) for port in self.ports]
+        if "ports" in vars(self):
+            other.ports = [replace(port, offset=port.side.trace @ other.fixed) for port in self.ports]
         other._set_loads()
         return other
 
@@ -105,7 +175,7 @@ class Subproblem:
     @cached_property
     def _nodal(self) -> scipy.sparse.csr_matrix:
         """u_n at the nodes of all contact surfaces, from all degrees of freedom."""
-        return scipy.sparse.vstack([port.side.surface.nodal_trace for port in self.ports]).tocsr()
+        return scipy.sparse.vstack([side.surface.nodal_trace for _, side in self.sides]).tocsr()
 
     @property
     def size(self) -> int:
@@ -226,48 +296,26 @@ class CondensedSubproblem(Subproblem):
     def __init__(
         self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF, others: Sequence[CondensedSubproblem] = ()
     ) -> None:
-        self.body, self.basis = inner.body, inner.basis
-        self.full_stiffness, self.full_springs = inner.full_stiffness, inner.full_springs
+        self.body, self.basis, self.matrices, self.sides = inner.body, inner.basis, inner.matrices, inner.sides
         self.kept = _touched(inner)
-        self.eliminated = np.setdiff1d(np.arange(inner.size), self.kept)
-        twin = next(
-            (other for other in others if comm.size == 1 and other.eliminates(inner.stiffness, self.kept)), None
-        )
-        if twin is not None:
-            self._inside = twin._inside
-        else:
-            self._inside = (
-                Factor(inner.stiffness, self.kept) if comm.size == 1 else SpreadFactor(inner.stiffness, self.kept, comm)
-            )
+        self._inside = _eliminated(inner, self.kept, comm, [other._inside for other in others])
         self.stiffness = self._inside.complement
         self._set_inner(inner)
+        self.ports = kept_ports(self.sides, self.basis, self.fixed, self.kept)
         self._keep_springs()
         self._set_loads()
-
-    def eliminates(self, stiffness: scipy.sparse.csr_matrix, kept: NDArray[np.intp]) -> bool:
-        """Whether a body of that stiffness, seen from the kept unknowns, is the same as this one, to rounding."""
-        own = self._inner.stiffness
-        if own.shape != stiffness.shape or own.nnz != stiffness.nnz or not np.array_equal(self.kept, kept):
-            return False
-        # Bodies that are moved copies differ by the rounding of their coordinates.
-        rounding = 1e-12 * self.rigid.largest
-        if abs(own.data[0] - stiffness.data[0]) > rounding:  # most that differ do so at once
-            return False
-        stiffness.sort_indices()
-        same = np.array_equal(own.indptr, stiffness.indptr) and np.array_equal(own.indices, stiffness.indices)
-        return same and bool(np.abs(own.data - stiffness.data).max(initial=0.0) <= rounding)
 
     def refreshed_for(self, inner: Subproblem) -> CondensedSubproblem:
         """The same condensed problem for `inner` with other loads and prescribed displacements."""
         other = copy(self)
         other._set_inner(inner)
+        other.ports = [replace(port, offset=port.side.trace @ other.fixed) for port in self.ports]
         other._set_loads()
         return other
 
     def _set_inner(self, inner: Subproblem) -> None:
         self._inner = inner
         self.fixed, self.full_load = inner.fixed, inner.full_load
-        self.ports = [port.seen_from(self.kept) for port in inner.ports]
 
     def _keep_springs(self) -> None:
         """Find the rigid motions, and take the rounding of the elimination out of the elastic forces that they meet.
@@ -275,11 +323,13 @@ class CondensedSubproblem(Subproblem):
         They must meet none but those of springs; else a floating body's forces balance only to the rounding of many
         thousand sums, and soft springs are lost in it.
         """
-        rigid = self._inner.rigid
-        springs = rigid.springs[self.kept]
-        if np.any(rigid.springs):
-            springs = springs - self._inner.stiffness[self.kept] @ self._inside_response(rigid.springs)
-        q, coefficients, springs = orthonormal(rigid.modes[self.kept], rigid.owners[0].coefficients, springs)
+        modes, coefficients = self._inner.motions
+        springs = self._inner.spring_forces
+        if np.any(springs):
+            springs = np.column_stack([self._inside.reduced(force)[0] for force in springs.T])
+        else:
+            springs = np.zeros((len(self.kept), springs.shape[1]))
+        q, coefficients, springs = orthonormal(modes[self.kept], coefficients, springs)
         self.rigid = self._rigid_motions(q, coefficients, springs)
         wrong = q.T @ self.stiffness - springs.T
         self.stiffness = self.stiffness - q @ wrong - wrong.T @ q.T + q @ (wrong @ q) @ q.T
@@ -287,14 +337,17 @@ class CondensedSubproblem(Subproblem):
     def _set_loads(self) -> None:
         """The loads on the kept unknowns, their work on rigid motions to the last digit what it was on all of them."""
         inner = self._inner
-        inside = self._inside_response(inner.load)
-        answer = inner.stiffness @ inside
-        self.load = (inner.load - answer)[self.kept]
-        self.constant = inner.constant + float(0.5 * inside @ answer - inner.load @ inside)
-        modes = inner.rigid.modes[self.kept]
+        self.load, done = self._inside.reduced(inner.load)
+        self.constant = inner.constant - 0.5 * done
+        modes = inner.motions[0]
         if modes.shape[1] > 0:
-            work = inner.rigid.modes.T @ inner.load - inner.rigid.springs.T @ inside
-            self.load += np.linalg.lstsq(modes.T, work - modes.T @ self.load, rcond=None)[0]
+            work = modes.T @ inner.load
+            springs = inner.spring_forces
+            if np.any(springs):
+                inside = self._inside.extended(np.zeros(len(self.kept)), inner.load)
+                work -= springs.T @ inside
+            kept = modes[self.kept]
+            self.load += np.linalg.lstsq(kept.T, work - kept.T @ self.load, rcond=None)[0]
 
     def shared(self) -> Shared:
         """What other ranks need to know of the problem."""
@@ -302,7 +355,7 @@ class CondensedSubproblem(Subproblem):
         return self.kept, self.stiffness, self.load, self.constant, self.full_load, motions
 
     def displacement(self, y: Floats) -> Floats:
-        return self._inner.displacement(self._solve_inside(y))
+        return self._inner.displacement(self._inside.extended(y, self._inner.load))
 
     def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
         known, unknown = np.zeros(self.basis.shape[1]), np.ones(self.basis.shape[1])
@@ -352,21 +405,6 @@ class CondensedSubproblem(Subproblem):
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
         return solution
 
-    def _solve_inside(self, kept: Floats) -> Floats:
-        """All unknowns of the inner problem: the given kept ones, the others in equilibrium with them."""
-        y = np.zeros(self._inner.size)
-        y[self.kept] = kept
-        return y + self._inside_response(self._inner.load - self._inner.stiffness @ y)
-
-    def _inside_response(self, forces: Floats) -> Floats:
-        """What forces (unknowns,) or (unknowns, n) move inside, the kept unknowns held."""
-        if forces.ndim == 2:
-            return np.column_stack([self._inside_response(force) for force in forces.T])
-        rhs, response = forces.copy(), np.zeros(len(forces))
-        rhs[self.kept] = 0.0
-        response[self.eliminated] = self._inside.solve(rhs)[self.eliminated]
-        return response
-
 
 class RemoteSubproblem(CondensedSubproblem):
     """A body that another rank holds, seen from its contacts: all of the condensed problem but the inside."""
@@ -375,7 +413,8 @@ class RemoteSubproblem(CondensedSubproblem):
         self.body = body
         self.basis, self.fixed = affine_space(body)
         self.kept, self.stiffness, self.load, self.constant, self.full_load, motions = shared
-        self.ports = [port.seen_from(self.kept) for port in ports(place, interfaces, self.basis, self.fixed)]
+        self.sides = sides(place, interfaces)
+        self.ports = kept_ports(self.sides, self.basis, self.fixed, self.kept)
         self.rigid = self._rigid_motions(*motions)
 
 
@@ -384,33 +423,72 @@ class RemoteSubproblem(CondensedSubproblem):
 Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
 
 
-def ports(place: int, interfaces: Sequence[Interface], basis: scipy.sparse.csr_matrix, fixed: Floats) -> list[Port]:
-    """Where the interfaces meet the body at a place of the scene, in the unknowns of u = Z y + u₀."""
+def sides(place: int, interfaces: Sequence[Interface]) -> list[tuple[int, Side]]:
+    """The sides of interfaces at which the body at a place of the scene lies, each with its interface's place."""
     return [
-        Port(
-            index,
-            side,
-            columns(side.trace, basis),
-            side.trace @ fixed,
-            columns(side.surface.trace, basis),
-        )
-        for index, interface in enumerate(interfaces)
-        for side in interface.sides
-        if side.body == place
+        (index, side) for index, interface in enumerate(interfaces) for side in interface.sides if side.body == place
     ]
+
+
+def kept_ports(
+    sides: Sequence[tuple[int, Side]], basis: scipy.sparse.csr_matrix, fixed: Floats, kept: NDArray[np.intp]
+) -> list[Port]:
+    """Where the interfaces meet the kept unknowns of u = Z y + u₀."""
+    some = _kept_columns(basis, kept)
+    return [Port(index, side, some(side.trace), side.trace @ fixed, some(side.surface.trace)) for index, side in sides]
+
+
+def _kept_columns(
+    basis: scipy.sparse.csr_matrix, kept: NDArray[np.intp]
+) -> Callable[[scipy.sparse.csr_matrix], Operator]:
+    """What takes an operator on all degrees of freedom to one on the kept unknowns, all others being at rest."""
+    free = selection(basis)
+    if free is None:
+        some = basis[:, kept]
+        return lambda operator: _dense_if_small((operator @ some).tocsr())
+    number = np.full(basis.shape[0], -1, dtype=np.int32)
+    number[free[kept]] = np.arange(len(kept), dtype=np.int32)
+
+    def columns_of(operator: scipy.sparse.csr_matrix) -> Operator:
+        columns = number[operator.indices]
+        present = columns >= 0
+        ends = np.concatenate([[0], np.cumsum(present)])[operator.indptr]
+        entries = (operator.data[present], columns[present], ends)
+        return _dense_if_small(scipy.sparse.csr_matrix(entries, shape=(operator.shape[0], len(kept))))
+
+    return columns_of
+
+
+def _dense_if_small(operator: scipy.sparse.csr_matrix) -> Operator:
+    return operator.toarray() if operator.shape[0] * operator.shape[1] <= SMALL else operator
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
     """The unknowns that a contact's normal displacements depend on and, where a body could still move rigidly with
     all of them held, every unknown of the same nodes: the inside must be a well-posed problem."""
-    kept = np.unique(np.concatenate([t.indices for port in problem.ports for t in (port.trace, port.robin_trace)]))
-    if _hold(problem.rigid.modes[kept]):
+    basis = problem.basis
+    traces = [trace for _, side in problem.sides for trace in (side.trace, side.surface.trace)]
+    kept = np.unique(basis[np.unique(np.concatenate([trace.indices for trace in traces]))].indices)
+    if _hold(problem.motions[0][kept]):
         return kept
     dim = problem.body.mesh.dim
-    selection = problem.basis[:, kept]
-    nodes = np.unique(selection.indices if selection.format == "csc" else selection.nonzero()[0]) // dim
+    nodes = np.unique(basis[:, kept].nonzero()[0]) // dim
     dofs = (nodes[:, None] * dim + np.arange(dim)).ravel()
-    return np.unique(problem.basis[dofs].indices)
+    return np.unique(basis[dofs].indices)
+
+
+def _eliminated(
+    problem: Subproblem, kept: NDArray[np.intp], comm: MPI.Comm, others: Sequence[Elimination]
+) -> Elimination:
+    """A body's inside eliminated: cell by cell first where many unknowns lie inside of alike cells."""
+    body, free = problem.body, selection(problem.basis)
+    plain = free is not None and not body.material.varies and not body.kinematics.ring
+    springs = any(isinstance(support, Spring) for support in body.supports)
+    if comm.size == 1 and plain and not springs and body.degree >= CELLWISE_DEGREE and are_affine(body):
+        cells = AffineCells(body)
+        if len(cells.inner):
+            return eliminate_cellwise(cells, free, kept, others)
+    return eliminate_whole(problem.stiffness, kept, comm, others)
 
 
 def _hold(modes: Floats) -> bool:
@@ -421,11 +499,12 @@ def _hold(modes: Floats) -> bool:
     return len(singular) == modes.shape[1] and singular[-1] > 1e-8 * singular[0]
 
 
-def product_map(trace: scipy.sparse.csr_matrix, weights: Floats) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
+def product_map(trace: Operator, weights: Floats) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
     """Where the entries of traceᵀ diag(weights φ) trace stand in the flattened matrix, and the operator from φ to them.
 
     For values that change in every step at places that never do.
     """
+    trace = scipy.sparse.csr_matrix(trace)
     counts = np.diff(trace.indptr)
     point = np.repeat(np.arange(len(counts)), counts**2)
     start = np.repeat(trace.indptr[:-1], counts**2)

@@ -158,18 +158,18 @@ def affine_space(body: Body) -> tuple[scipy.sparse.csr_matrix, Floats]:
 
 def columns(matrix: scipy.sparse.csr_matrix, basis: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
     """matrix @ Z."""
-    free = _selection(basis)
+    free = selection(basis)
     return (matrix @ basis).tocsr() if free is None else matrix[:, free]
 
 
 def within(basis: scipy.sparse.csr_matrix, matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
     """Zᵀ @ matrix @ Z."""
-    free = _selection(basis)
+    free = selection(basis)
     return (basis.T @ matrix @ basis).tocsr() if free is None else matrix[free][:, free]
 
 
-def _selection(basis: scipy.sparse.csr_matrix) -> NDArray[np.intp] | None:
-    """The free degrees of freedom, where Z only selects them in order."""
+def selection(basis: scipy.sparse.csr_matrix) -> NDArray[np.intp] | None:
+    """The free degrees of freedom, where Z only selects them in order, else None."""
     rows = np.flatnonzero(np.diff(basis.indptr))
     size = basis.shape[1]
     selects = (

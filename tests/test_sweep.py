@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd import factor, subproblem
+from contactdd import elimination, factor, subproblem
 
 
 @pytest.fixture
@@ -20,7 +20,8 @@ def factorisations(monkeypatch):
             made.append(1)
             super().__init__(*arguments, **options)
 
-    monkeypatch.setattr(subproblem, "Factor", Counted)
+    for module in (elimination, subproblem):
+        monkeypatch.setattr(module, "Factor", Counted)
     return made
 
 

@@ -1,0 +1,125 @@
+"""The stiffness of cells that are affine images of the reference cell, from integrals made once on that.
+
+On such cells, with one material,
+
+    ∫ ε(v) : C : ε(u) dx = Σ T_abkl ∫ ∂_k φ_i ∂_l φ_j dX,    T_abkl = |det J| Σ_mn J⁻¹_km C_ambn J⁻¹_ln,
+
+for u = φ_j e_b and v = φ_i e_a. The integrals over the reference cell are the same for all of them, so that the cells'
+matrices are one product of matrices. At high degrees this is many times faster than quadrature in every cell.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import basix
+import numpy as np
+from numpy.typing import NDArray
+
+from . import compat
+
+if TYPE_CHECKING:
+    from .body import Body
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+class AffineCells:
+    """A body of affine cells and one material, its stiffness cell by cell.
+
+    tensors: (cells, dim, dim, dim, dim) T_abkl; nodes: (cells, nodes) of the body's space; inner, outer: the nodes of
+    the reference cell that lie inside of it, and on its boundary.
+    """
+
+    def __init__(self, body: Body) -> None:
+        element = body.space.ufl_element()
+        self.dim = body.mesh.dim
+        self.tensors = _stretched(body.kinematics.tensor(body.material.stiffness()), _jacobians(body))
+        self.nodes = body.space.dofmap.list
+        self.inner, self.outer = _inner_and_outer(element)
+        self._integrals = _reference_integrals(element)
+
+    def block(self, rows: Indices, columns: Indices, part: slice = slice(None)) -> Floats:
+        """The matrices of some of the cells between the displacements of some of their nodes.
+
+        Shape (cells, dim · rows, dim · columns): all nodes' first components, then the second ones.
+        """
+        dim, tensors = self.dim, self.tensors[part]
+        integrals = self._integrals[:, :, rows[:, None], columns].reshape(dim**2, -1)
+        products = tensors.reshape(-1, dim**2) @ integrals
+        blocks = products.reshape(len(tensors), dim, dim, len(rows), len(columns)).swapaxes(2, 3)
+        return blocks.reshape(len(tensors), dim * len(rows), dim * len(columns))
+
+    def dofs(self, nodes: Indices) -> NDArray[np.int32]:
+        """The body's degrees of freedom at some nodes of every cell, (cells, dim · nodes), in the order of `block`."""
+        at = self.dim * self.nodes[:, None, nodes] + np.arange(self.dim, dtype=np.int32)[:, None]
+        return at.reshape(len(at), -1)
+
+    def image_signs(self, other: AffineCells) -> Floats | None:
+        """The ±1 by which each displacement component of `other` turns that body into this one, None if none do.
+
+        A moved copy has all 1; a mirror image has −1 across the mirror. Both have to be numbered alike.
+        """
+        if self.tensors.shape != other.tensors.shape or not np.array_equal(self.nodes, other.nodes):
+            return None
+        # Copies differ by the rounding of their coordinates.
+        rounding = 1e-12 * np.abs(self.tensors).max()
+        signs = np.ones(self.dim)
+        for axis in range(1, self.dim):
+            here, there = self.tensors[:, 0, axis], other.tensors[:, 0, axis]
+            if np.sum(here * there) < 0.0:
+                signs[axis] = -1.0
+        turned = other.tensors * (signs[:, None] * signs)[:, :, None, None]
+        return signs if np.abs(self.tensors - turned).max() <= rounding else None
+
+
+def are_affine(body: Body) -> bool:
+    """Whether every cell of a body is an affine image of the reference cell: a simplex or a parallelogram or -epiped."""
+    element = compat.coordinate_map(body.mesh.domain)
+    if element.degree > 1:
+        return False
+    vertices = np.asarray(basix.geometry(element.cell_type))
+    if len(vertices) == body.mesh.dim + 1:
+        return True
+    x = body.mesh.domain.geometry.x[compat.geometry_dofmap(body.mesh.domain)]
+    straight = x[:, :1] + vertices @ (x[:, 1 + _axes(vertices)] - x[:, :1])
+    return bool(np.abs(straight - x).max() <= 1e-14 * np.abs(x).max())  # what rounding leaves of a parallelogram
+
+
+def _axes(vertices: Floats) -> Indices:
+    """Which vertices but the first lie at the ends of the reference cell's axes, counted from the second."""
+    return np.array([np.flatnonzero(np.all(vertices[1:] == axis, axis=1))[0] for axis in np.eye(vertices.shape[1])])
+
+
+def _jacobians(body: Body) -> Floats:
+    """J of every cell's map, (cells, dim, dim)."""
+    domain, dim = body.mesh.domain, body.mesh.dim
+    ends = _axes(np.asarray(basix.geometry(compat.coordinate_map(domain).cell_type)))
+    nodes = domain.geometry.x[compat.geometry_dofmap(domain)][:, :, :dim]
+    return np.swapaxes(nodes[:, 1 + ends] - nodes[:, :1], 1, 2)
+
+
+def _stretched(material: Floats, jacobians: Floats) -> Floats:
+    """T_abkl = |det J| Σ_mn J⁻¹_km C_ambn J⁻¹_ln of every cell, from C_ambn and J (cells, dim, dim)."""
+    inverse = np.linalg.inv(jacobians)[:, None, None]
+    volumes = np.abs(np.linalg.det(jacobians))[:, None, None, None, None]
+    return volumes * (inverse @ material.transpose(0, 2, 1, 3) @ np.swapaxes(inverse, 3, 4))
+
+
+@cache
+def _reference_integrals(element: Any) -> Floats:
+    """∫ ∂_k φ_i ∂_l φ_j over the reference cell, (dim, dim, nodes, nodes)."""
+    scalar = element.basix_element
+    points, weights = basix.make_quadrature(scalar.cell_type, 2 * scalar.degree)
+    table = scalar.tabulate(1, points)[1:, :, :, 0]
+    return np.einsum("q,kqi,lqj->klij", weights, table, table, optimize=True)
+
+
+@cache
+def _inner_and_outer(element: Any) -> tuple[Indices, Indices]:
+    """The nodes inside the reference cell, and those on its boundary."""
+    scalar = element.basix_element
+    inner = np.array(scalar.entity_dofs[-1][0], dtype=np.intp)
+    return inner, np.setdiff1d(np.arange(scalar.dim), inner)

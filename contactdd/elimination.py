@@ -1,0 +1,207 @@
+"""The inside of a body eliminated, so that only the unknowns that its contacts touch are left.
+
+`Whole` eliminates it at once by MUMPS. `Cellwise` first eliminates what lies inside of every cell, many small dense
+problems alike, and hands the rest to MUMPS: for elements of high degree. `Image` borrows the elimination of a body of
+which this one is a moved or mirrored copy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Protocol
+
+import numpy as np
+import scipy
+from mpi4py import MPI
+from numpy.typing import NDArray
+
+from .affine import AffineCells
+from .factor import Factor, SpreadFactor
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+
+class Elimination(Protocol):
+    """A body's stiffness K with its unknowns parted into those that are kept, c, and those that are eliminated, e."""
+
+    @property
+    def complement(self) -> Floats:
+        """S = K_cc − K_ce K_ee⁻¹ K_ec, dense (kept, kept)."""
+        ...
+
+    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+        """f_c − K_ce K_ee⁻¹ f_e, what forces on all unknowns are on the kept ones, and their work f_e · K_ee⁻¹ f_e."""
+        ...
+
+    def extended(self, kept: Floats, forces: Floats) -> Floats:
+        """All unknowns: the kept ones as given, the others in equilibrium with them and with the forces."""
+        ...
+
+
+class Whole:
+    """Everything eliminated at once, by this rank or by those of `comm` together."""
+
+    def __init__(self, matrix: scipy.sparse.csr_matrix, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) -> None:
+        self._matrix, self._kept = matrix, kept
+        self._factor = Factor(matrix, kept) if comm.size == 1 else SpreadFactor(matrix, kept, comm)
+
+    @property
+    def complement(self) -> Floats:
+        return self._factor.complement
+
+    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+        response = self._response(forces)
+        return (forces - self._matrix @ response)[self._kept], float(response @ forces)
+
+    def extended(self, kept: Floats, forces: Floats) -> Floats:
+        y = np.zeros(len(forces))
+        y[self._kept] = kept
+        return y + self._response(forces - self._matrix @ y)
+
+    def _response(self, forces: Floats) -> Floats:
+        """K_ee⁻¹ f_e, and nothing on the kept unknowns."""
+        rhs = forces.copy()
+        rhs[self._kept] = 0.0
+        response = self._factor.solve(rhs)
+        response[self._kept] = 0.0
+        return response
+
+    def fits(self, matrix: scipy.sparse.csr_matrix, kept: Indices) -> bool:
+        """Whether this is the elimination, to rounding, of another matrix too."""
+        own = self._matrix
+        if own.shape != matrix.shape or own.nnz != matrix.nnz or not np.array_equal(self._kept, kept):
+            return False
+        # Bodies that are moved copies differ by the rounding of their coordinates.
+        rounding = 1e-12 * float(own.diagonal().max(initial=0.0))
+        if abs(own.data[0] - matrix.data[0]) > rounding:  # most that differ do so at once
+            return False
+        matrix.sort_indices()
+        alike = np.array_equal(own.indptr, matrix.indptr) and np.array_equal(own.indices, matrix.indices)
+        return alike and bool(np.abs(own.data - matrix.data).max(initial=0.0) <= rounding)
+
+
+class Cellwise:
+    """The inside of every cell eliminated first, all cells at once by dense algebra, then the rest, the skeleton.
+
+    free: the degrees of freedom that are unknowns; kept: those unknowns that stay, none of them inside of a cell.
+    """
+
+    #: How many entries of the cells' matrices are made at a time.
+    ENTRIES = 2**24
+
+    def __init__(self, cells: AffineCells, free: Indices, kept: Indices) -> None:
+        self.cells, self.free, self.kept = cells, free, kept
+        unknown = np.full(cells.dim * (int(cells.nodes.max()) + 1), -1, dtype=np.int32)
+        unknown[free] = np.arange(len(free), dtype=np.int32)
+        self._inner, outer = unknown[cells.dofs(cells.inner)], unknown[cells.dofs(cells.outer)].ravel()
+        is_outer = np.zeros(len(free), dtype=bool)
+        is_outer[outer[outer >= 0]] = True
+        self._skeleton = np.flatnonzero(is_outer)
+        number = np.cumsum(is_outer) - 1
+        self._gather = _gathering(np.where(outer >= 0, number[outer], -1), len(self._skeleton))
+        self._rest = Whole(self._condensed(), number[kept])
+
+    @property
+    def complement(self) -> Floats:
+        return self._rest.complement
+
+    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+        on_skeleton, work = self._onto_skeleton(forces)
+        reduced, rest = self._rest.reduced(on_skeleton)
+        return reduced, work + rest
+
+    def extended(self, kept: Floats, forces: Floats) -> Floats:
+        y = np.empty(len(forces))
+        y[self._skeleton] = self._rest.extended(kept, self._onto_skeleton(forces)[0])
+        around = (self._gather @ y[self._skeleton]).reshape(len(self._inner), -1, 1)
+        for part in self._parts():
+            matrix, coupling = self._inside(part)
+            y[self._inner[part]] = np.linalg.solve(
+                matrix, forces[self._inner[part]][:, :, None] - coupling @ around[part]
+            )[:, :, 0]
+        return y
+
+    def _condensed(self) -> scipy.sparse.csr_matrix:
+        """The stiffness of the skeleton: Σ Pᵀ S P of the cells' own complements S."""
+        complements = np.concatenate([self._complements(part) for part in self._parts()])
+        count, size, _ = complements.shape
+        places = np.arange(count + 1)
+        blocks = scipy.sparse.bsr_matrix((complements, places[:-1], places), shape=(count * size, count * size))
+        product = self._gather.T.tocsr() @ blocks.tocsr() @ self._gather
+        return product.T.tocsr()  # the same, but the rows come in order
+
+    def _complements(self, part: slice) -> Floats:
+        """Some cells seen from the nodes around them, (cells, outer, outer)."""
+        matrix, coupling = self._inside(part)
+        around = self.cells.block(self.cells.outer, self.cells.outer, part)
+        return around - np.swapaxes(coupling, 1, 2) @ np.linalg.solve(matrix, coupling)
+
+    def _onto_skeleton(self, forces: Floats) -> tuple[Floats, float]:
+        """What forces on all unknowns are on the skeleton, and the work of those inside of the cells."""
+        inner, on_skeleton, work = forces[self._inner], forces[self._skeleton], 0.0
+        if np.any(inner):
+            for part in self._parts():
+                matrix, coupling = self._inside(part)
+                response = np.linalg.solve(matrix, inner[part][:, :, None])
+                passed_on = np.zeros((len(inner), coupling.shape[2]))
+                passed_on[part] = (np.swapaxes(coupling, 1, 2) @ response)[:, :, 0]
+                on_skeleton -= self._gather.T @ passed_on.ravel()
+                work += float(np.sum(response[:, :, 0] * inner[part]))
+        return on_skeleton, work
+
+    def _inside(self, part: slice) -> tuple[Floats, Floats]:
+        """The stiffness inside some cells, and between inside and around."""
+        inner, outer = self.cells.inner, self.cells.outer
+        return self.cells.block(inner, inner, part), self.cells.block(inner, outer, part)
+
+    def _parts(self) -> Iterator[slice]:
+        """The cells, so many at a time that their matrices fit well."""
+        count, nodes = self.cells.nodes.shape
+        step = max(1, self.ENTRIES // (self.cells.dim * nodes) ** 2)
+        return (slice(first, first + step) for first in range(0, count, step))
+
+
+class Image:
+    """The elimination of a copy: its unknowns times `signs` (±1) are those of the original."""
+
+    def __init__(self, original: Cellwise, signs: Floats) -> None:
+        self.original, self._signs = original, signs
+        self._kept = signs[original.kept]
+
+    @property
+    def complement(self) -> Floats:
+        return self._kept[:, None] * self.original.complement * self._kept
+
+    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+        reduced, work = self.original.reduced(self._signs * forces)
+        return self._kept * reduced, work
+
+    def extended(self, kept: Floats, forces: Floats) -> Floats:
+        return self._signs * self.original.extended(self._kept * kept, self._signs * forces)
+
+
+def eliminate_cellwise(cells: AffineCells, free: Indices, kept: Indices, others: Sequence[Elimination]) -> Elimination:
+    """The cellwise elimination of a body, or the image of another body's of which it is a copy."""
+    for other in others:
+        if isinstance(other, Cellwise) and np.array_equal(other.free, free) and np.array_equal(other.kept, kept):
+            signs = cells.image_signs(other.cells)
+            if signs is not None:
+                return Image(other, signs[free % cells.dim])
+    return Cellwise(cells, free, kept)
+
+
+def eliminate_whole(
+    matrix: scipy.sparse.csr_matrix, kept: Indices, comm: MPI.Comm, others: Sequence[Elimination]
+) -> Elimination:
+    """The elimination of a matrix, or another body's if it is the same."""
+    same = (other for other in others if isinstance(other, Whole) and comm.size == 1 and other.fits(matrix, kept))
+    return next(same, None) or Whole(matrix, kept, comm)
+
+
+def _gathering(numbers: NDArray[np.int32], count: int) -> scipy.sparse.csr_matrix:
+    """P with (P y)_i = y[numbers_i], zero where the number is negative, (numbers, count)."""
+    present = numbers >= 0
+    ends = np.concatenate([[0], np.cumsum(present)])
+    entries = (np.ones(int(ends[-1])), numbers[present], ends)
+    return scipy.sparse.csr_matrix(entries, shape=(len(numbers), count))
