@@ -15,7 +15,8 @@ with contextlib.suppress(ImportError):
 
 import dolfinx
 import numpy as np
-from dolfinx import fem
+import ufl
+from dolfinx import cpp, fem
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from numpy.typing import NDArray
@@ -76,6 +77,15 @@ def geometry_dofmap(domain: dmesh.Mesh) -> NDArray[np.int32]:
     """The geometry nodes of every cell, shape (cells, nodes)."""
     geometry = domain.geometry
     return geometry.dofmaps[0] if VERSION >= (0, 11) else geometry.dofmap
+
+
+def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64]) -> dmesh.Mesh:
+    """A mesh of the same topology, which is shared, with its nodes at x (nodes, dim)."""
+    old = domain.geometry._cpp_object
+    element, dofmap = (old.cmaps[0], old.dofmaps[0]) if VERSION >= (0, 11) else (old.cmap, old.dofmap)
+    new = cpp.mesh.Geometry_float64(old.index_map(), dofmap, element, x, old.input_global_indices)
+    mesh = cpp.mesh.Mesh_float64(domain.comm, domain.topology._cpp_object, new)
+    return dmesh.Mesh(mesh, ufl.Mesh(domain.ufl_domain().ufl_coordinate_element()))
 
 
 def gmsh_model_to_mesh(model: Any, comm: Any, rank: int, gdim: int) -> tuple[dmesh.Mesh, Any, Any, dict[str, Any]]:

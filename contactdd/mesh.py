@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from . import compat
 from .errors import finite, one_of
+from .isometry import Isometry, reflection, translation
 from .trace import facet_entities
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
@@ -37,6 +38,7 @@ class Mesh:
 
     domain: dmesh.Mesh
     surfaces: Mapping[str, NDArray[np.int32]]
+    _made_from: tuple[Mesh, Isometry] | None = field(default=None, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         ranks = self.domain.comm.size
@@ -77,13 +79,65 @@ class Mesh:
 
     @cached_property
     def _entities(self) -> dict[str, NDArray[np.int32]]:
+        if not self.surfaces:
+            return {}
         ends = np.cumsum([len(facets) for facets in self.surfaces.values()])
         pairs = facet_entities(self.domain, np.concatenate(list(self.surfaces.values())))
         return dict(zip(self.surfaces, np.split(pairs, ends[:-1]), strict=True))
 
     def with_surfaces(self, **markers: Marker) -> Mesh:
         """The same mesh with more named surfaces, each given by a function x (3, points) -> bool of boundary facets."""
-        return Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)})
+        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)})
+        vars(mesh).update(_made_from=self._made_from)
+        return mesh
+
+    @property
+    def origin(self) -> tuple[Mesh, Isometry] | None:
+        """The mesh that this one is a copy of, itself no copy, and the isometry from its coordinates to these.
+
+        None for a mesh that is no copy, or no longer: when coordinates were changed on one side only.
+        """
+        if self._made_from is None:
+            return None
+        mesh, isometry = self._made_from
+        same = np.array_equal(isometry(mesh.domain.geometry.x[:, : self.dim]), self.domain.geometry.x[:, : self.dim])
+        return (mesh, isometry) if same else None
+
+    def moved(self, offset: Sequence[float]) -> Mesh:
+        """A copy of the mesh, moved by `offset` (dim,). It has the same cells, facets and named surfaces."""
+        by = np.asarray(offset, dtype=float)
+        if by.shape != (self.dim,) or not np.all(np.isfinite(by)):
+            raise ValueError(f"offset = {offset!r}: expected {self.dim} finite numbers")
+        return self._copy(translation(by), f"offset = {offset!r}")
+
+    def mirrored(self, axis: str, at: float) -> Mesh:
+        """The mirror image of the mesh in the plane `axis` = `at`, where `axis` is "x", "y" or, of a solid, "z".
+
+        It has the same cells, facets and named surfaces: what was on the left and is now on the right is still "left".
+        """
+        axes = ("x", "y", "z")[: self.dim]
+        place = axes.index(one_of("axis", axis, axes))
+        return self._copy(reflection(self.dim, place, finite("at", at)), f"at = {at!r}")
+
+    def _copy(self, isometry: Isometry, asked: str) -> Mesh:
+        """The image of the mesh, which shares its topology."""
+        mesh, first = self.origin or (self, None)
+        onward = isometry if first is None else isometry.after(first)
+        x, size = mesh.domain.geometry.x[:, : self.dim], self.size
+        image = onward(x)
+        # Its cells are as good as those of this mesh, unless rounding has moved their corners.
+        if not np.abs(onward.signs * (image - onward.offset) - x).max() <= 1e-10 * size:
+            raise ValueError(f"{asked}: so far away a mesh of the size {size:g} loses the digits of its shape")
+        copy = Mesh._sound(compat.with_coordinates(mesh.domain, image), self.surfaces)
+        vars(copy).update(_made_from=(mesh, onward), _entities=self._entities)
+        return copy
+
+    @classmethod
+    def _sound(cls, domain: dmesh.Mesh, surfaces: Mapping[str, NDArray[np.int32]]) -> Mesh:
+        """A mesh in which nothing has to be looked for that could be refused."""
+        mesh = object.__new__(cls)
+        vars(mesh).update(domain=domain, surfaces=surfaces)
+        return mesh
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{name}: {len(facets)}" for name, facets in self.surfaces.items())

@@ -168,6 +168,15 @@ def test_bodies_of_one_script():
     assert area(cylinder, "axis") == pytest.approx(40.0, rel=1e-12)
 
 
+def test_the_mirror_image_of_a_curved_mesh():
+    mesh = cd.read_gmsh(MESHES / "cylinder_on_block.geo", body="cylinder", order=2, radius=40, fine=1.0)
+    image = mesh.mirrored("y", 0.0)
+    for name in mesh.surfaces:
+        original, copy = (ContactSurface(cd.Body("body", m, STEEL), name, rule("gauss", 3)) for m in (mesh, image))
+        assert np.allclose(copy.weights, original.weights, rtol=1e-12)
+        assert np.allclose(copy.points.normal, original.points.normal * [1, -1], rtol=0, atol=1e-12)
+
+
 @pytest.mark.parametrize("name", ["left_block", "right_block", "wedge"])
 def test_keystone(name):
     mesh = cd.read_gmsh(MESHES / "keystone.geo", body=name)
