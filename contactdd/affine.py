@@ -10,7 +10,7 @@ matrices are one product of matrices. At high degrees this is many times faster 
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import basix
@@ -29,17 +29,25 @@ Indices = NDArray[np.intp]
 class AffineCells:
     """A body of affine cells and one material, its stiffness cell by cell.
 
-    tensors: (cells, dim, dim, dim, dim) T_abkl; nodes: (cells, nodes) of the body's space; inner, outer: the nodes of
-    the reference cell that lie inside of it, and on its boundary.
+    jacobians: (cells, dim, dim) J; reach: the largest coordinate; material: (dim, dim, dim, dim) C_ambn; nodes: (cells,
+    nodes) of the body's space; inner, outer: those of the reference cell that lie inside of it, and on its boundary.
     """
 
     def __init__(self, body: Body) -> None:
         element = body.space.ufl_element()
         self.dim = body.mesh.dim
-        self.tensors = _stretched(body.kinematics.tensor(body.material.stiffness()), _jacobians(body))
+        self.jacobians, self.material = _jacobians(body), body.kinematics.tensor(body.material.stiffness())
+        self.reach = float(np.abs(body.mesh.domain.geometry.x).max())
         self.nodes = body.space.dofmap.list
         self.inner, self.outer = _inner_and_outer(element)
         self._integrals = _reference_integrals(element)
+
+    @cached_property
+    def tensors(self) -> Floats:
+        """T_abkl of every cell, (cells, dim, dim, dim, dim)."""
+        inverse = np.linalg.inv(self.jacobians)[:, None, None]
+        volumes = np.abs(np.linalg.det(self.jacobians))[:, None, None, None, None]
+        return volumes * (inverse @ self.material.transpose(0, 2, 1, 3) @ np.swapaxes(inverse, 3, 4))
 
     def block(self, rows: Indices, columns: Indices, part: slice = slice(None)) -> Floats:
         """The matrices of some of the cells between the displacements of some of their nodes.
@@ -62,21 +70,19 @@ class AffineCells:
 
         A moved copy has all 1; a mirror image has −1 across the mirror. Both have to be numbered alike.
         """
-        if self.tensors.shape != other.tensors.shape or not np.array_equal(self.nodes, other.nodes):
+        if self.jacobians.shape != other.jacobians.shape or not np.array_equal(self.nodes, other.nodes):
             return None
+        here, there = self.jacobians, other.jacobians
+        signs = np.where(np.sum(here * there, axis=(0, 2)) < 0.0, -1.0, 1.0)
+        pairs = signs[:, None] * signs
+        turned = other.material * pairs[:, :, None, None] * pairs
         # Copies differ by the rounding of their coordinates.
-        rounding = 1e-12 * np.abs(self.tensors).max()
-        signs = np.ones(self.dim)
-        for axis in range(1, self.dim):
-            here, there = self.tensors[:, 0, axis], other.tensors[:, 0, axis]
-            if np.sum(here * there) < 0.0:
-                signs[axis] = -1.0
-        turned = other.tensors * (signs[:, None] * signs)[:, :, None, None]
-        return signs if np.abs(self.tensors - turned).max() <= rounding else None
+        same = np.abs(here - signs[:, None] * there).max() <= 2e-15 * max(self.reach, other.reach)
+        return signs if same and np.abs(self.material - turned).max() <= 1e-14 * np.abs(turned).max() else None
 
 
 def are_affine(body: Body) -> bool:
-    """Whether every cell of a body is an affine image of the reference cell: a simplex or a parallelogram or -epiped."""
+    """Whether every cell is an affine image of the reference cell: a simplex, a parallelogram, a parallelepiped."""
     element = compat.coordinate_map(body.mesh.domain)
     if element.degree > 1:
         return False
@@ -99,13 +105,6 @@ def _jacobians(body: Body) -> Floats:
     ends = _axes(np.asarray(basix.geometry(compat.coordinate_map(domain).cell_type)))
     nodes = domain.geometry.x[compat.geometry_dofmap(domain)][:, :, :dim]
     return np.swapaxes(nodes[:, 1 + ends] - nodes[:, :1], 1, 2)
-
-
-def _stretched(material: Floats, jacobians: Floats) -> Floats:
-    """T_abkl = |det J| Σ_mn J⁻¹_km C_ambn J⁻¹_ln of every cell, from C_ambn and J (cells, dim, dim)."""
-    inverse = np.linalg.inv(jacobians)[:, None, None]
-    volumes = np.abs(np.linalg.det(jacobians))[:, None, None, None, None]
-    return volumes * (inverse @ material.transpose(0, 2, 1, 3) @ np.swapaxes(inverse, 3, 4))
 
 
 @cache

@@ -16,7 +16,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .affine import AffineCells
-from .factor import Factor, SpreadFactor
+from .factor import DenseFactor, Factor, SpreadFactor
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -42,9 +42,14 @@ class Elimination(Protocol):
 class Whole:
     """Everything eliminated at once, by this rank or by those of `comm` together."""
 
-    def __init__(self, matrix: scipy.sparse.csr_matrix, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) -> None:
+    def __init__(
+        self, matrix: scipy.sparse.csr_matrix | Floats, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF
+    ) -> None:
         self._matrix, self._kept = matrix, kept
-        self._factor = Factor(matrix, kept) if comm.size == 1 else SpreadFactor(matrix, kept, comm)
+        if isinstance(matrix, np.ndarray):
+            self._factor: DenseFactor | Factor | SpreadFactor = DenseFactor(matrix, kept)
+        else:
+            self._factor = Factor(matrix, kept) if comm.size == 1 else SpreadFactor(matrix, kept, comm)
 
     @property
     def complement(self) -> Floats:
@@ -89,6 +94,8 @@ class Cellwise:
 
     #: How many entries of the cells' matrices are made at a time.
     ENTRIES = 2**24
+    #: Unknowns up to which the skeleton's matrix is dense.
+    SMALL = 400
 
     def __init__(self, cells: AffineCells, free: Indices, kept: Indices) -> None:
         self.cells, self.free, self.kept = cells, free, kept
@@ -99,8 +106,11 @@ class Cellwise:
         is_outer[outer[outer >= 0]] = True
         self._skeleton = np.flatnonzero(is_outer)
         number = np.cumsum(is_outer) - 1
-        self._gather = _gathering(np.where(outer >= 0, number[outer], -1), len(self._skeleton))
-        self._rest = Whole(self._condensed(), number[kept])
+        places, size = np.where(outer >= 0, number[outer], -1), len(self._skeleton)
+        self._gather = _gathering(places, size)
+        complements = np.concatenate([self._complements(part) for part in self._parts()])
+        matrix = _dense_sum(complements, places, size) if size <= self.SMALL else _sparse_sum(complements, self._gather)
+        self._rest = Whole(matrix, number[kept])
 
     @property
     def complement(self) -> Floats:
@@ -121,15 +131,6 @@ class Cellwise:
                 matrix, forces[self._inner[part]][:, :, None] - coupling @ around[part]
             )[:, :, 0]
         return y
-
-    def _condensed(self) -> scipy.sparse.csr_matrix:
-        """The stiffness of the skeleton: Σ Pᵀ S P of the cells' own complements S."""
-        complements = np.concatenate([self._complements(part) for part in self._parts()])
-        count, size, _ = complements.shape
-        places = np.arange(count + 1)
-        blocks = scipy.sparse.bsr_matrix((complements, places[:-1], places), shape=(count * size, count * size))
-        product = self._gather.T.tocsr() @ blocks.tocsr() @ self._gather
-        return product.T.tocsr()  # the same, but the rows come in order
 
     def _complements(self, part: slice) -> Floats:
         """Some cells seen from the nodes around them, (cells, outer, outer)."""
@@ -197,6 +198,22 @@ def eliminate_whole(
     """The elimination of a matrix, or another body's if it is the same."""
     same = (other for other in others if isinstance(other, Whole) and comm.size == 1 and other.fits(matrix, kept))
     return next(same, None) or Whole(matrix, kept, comm)
+
+
+def _sparse_sum(blocks: Floats, gather: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
+    """Σ Pᵀ B P of the blocks (cells, n, n), P the rows of `gather` (cells · n, unknowns) that belong to a cell."""
+    count, size, _ = blocks.shape
+    places = np.arange(count + 1)
+    diagonal = scipy.sparse.bsr_matrix((blocks, places[:-1], places), shape=(count * size, count * size))
+    product = gather.T.tocsr() @ diagonal.tocsr() @ gather
+    return product.T.tocsr()  # the same, but every row's entries are in order
+
+
+def _dense_sum(blocks: Floats, places: NDArray[np.intp], size: int) -> Floats:
+    """The same sum as a dense matrix (size, size); places: of every row of P, −1 where it is zero."""
+    numbers = np.where(places >= 0, places, size).reshape(len(blocks), -1)
+    flat = numbers[:, :, None] * (size + 1) + numbers[:, None, :]
+    return np.bincount(flat.ravel(), blocks.ravel(), (size + 1) ** 2).reshape(size + 1, -1)[:size, :size]
 
 
 def _gathering(numbers: NDArray[np.int32], count: int) -> scipy.sparse.csr_matrix:

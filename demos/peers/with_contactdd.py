@@ -28,11 +28,11 @@ def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
 
 
 def scene(grid: Grid, shape: str, degree: int) -> cd.Scene:
-    """Both bodies, the mesh of the upper one mirrored."""
+    """Both bodies, the upper one on the mirror image of the lower one's mesh."""
     sides = [cd.Symmetry("left", "right")]
-    lines: tuple[Floats, Floats] = (HEIGHT - grid.y[::-1], HEIGHT + grid.y)
-    lower_mesh = cd.rectangle((0, 0), (LENGTH, HEIGHT), (grid.x, lines[0]), shape=shape)
-    upper_mesh = cd.rectangle((0, HEIGHT), (LENGTH, 2 * HEIGHT), (grid.x, lines[1]), shape=shape, diagonal="left")
-    lower = cd.Body("lower", lower_mesh, STEEL, supports=sides, loads=[cd.Pressure("bottom", LOAD)], degree=degree)
-    upper = cd.Body("upper", upper_mesh, STEEL, supports=sides, loads=[cd.Pressure("top", LOAD)], degree=degree)
-    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER, gap=lambda x: gap(x[0]))])
+    mesh = cd.rectangle((0, 0), (LENGTH, HEIGHT), (grid.x, HEIGHT - grid.y[::-1]), shape=shape)
+    lower, upper = (
+        cd.Body(name, each, STEEL, supports=sides, loads=[cd.Pressure("bottom", LOAD)], degree=degree)
+        for name, each in (("lower", mesh), ("upper", mesh.mirrored("y", HEIGHT)))
+    )
+    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "top"), LAYER, gap=lambda x: gap(x[0]))])
