@@ -10,6 +10,7 @@ matrices are one product of matrices. At high degrees this is many times faster 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
+#: The share of an element's nodes that lies inside of the cell, from which on cells are better eliminated one by one.
+WORTHWHILE = 0.11
+
 
 class AffineCells:
     """A body of affine cells and one material, its stiffness cell by cell.
@@ -32,6 +36,9 @@ class AffineCells:
     jacobians: (cells, dim, dim) J; reach: the largest coordinate; material: (dim, dim, dim, dim) C_ambn; nodes: (cells,
     nodes) of the body's space; inner, outer: those of the reference cell that lie inside of it, and on its boundary.
     """
+
+    #: How many entries of the cells' matrices are made at a time.
+    ENTRIES = 2**24
 
     def __init__(self, body: Body) -> None:
         element = body.space.ufl_element()
@@ -60,6 +67,21 @@ class AffineCells:
         blocks = products.reshape(len(tensors), dim, dim, len(rows), len(columns)).swapaxes(2, 3)
         return blocks.reshape(len(tensors), dim * len(rows), dim * len(columns))
 
+    def forces(self, u: Floats) -> Floats:
+        """The elastic forces a(u, ·) of all degrees of freedom."""
+        nodes, total = np.arange(self.nodes.shape[1]), np.zeros(len(u))
+        dofs = self.dofs(nodes)
+        for part in self.parts():
+            local = self.block(nodes, nodes, part) @ u[dofs[part]][:, :, None]
+            total += np.bincount(dofs[part].ravel(), local.ravel(), len(u))
+        return total
+
+    def parts(self) -> Iterator[slice]:
+        """The cells, so many at a time that their matrices are not too large together."""
+        count, nodes = self.nodes.shape
+        step = max(1, self.ENTRIES // (self.dim * nodes) ** 2)
+        return (slice(first, first + step) for first in range(0, count, step))
+
     def dofs(self, nodes: Indices) -> NDArray[np.int32]:
         """The body's degrees of freedom at some nodes of every cell, (cells, dim · nodes), in the order of `block`."""
         at = self.dim * self.nodes[:, None, nodes] + np.arange(self.dim, dtype=np.int32)[:, None]
@@ -79,6 +101,14 @@ class AffineCells:
         # Copies differ by the rounding of their coordinates.
         same = np.abs(here - signs[:, None] * there).max() <= 2e-15 * max(self.reach, other.reach)
         return signs if same and np.abs(self.material - turned).max() <= 1e-14 * np.abs(turned).max() else None
+
+
+def affine_cells(body: Body) -> AffineCells | None:
+    """The cells of a body where that pays: they are affine, of one material, and have much inside of themselves."""
+    inner, outer = _inner_and_outer(body.space.ufl_element())
+    if len(inner) < WORTHWHILE * (len(inner) + len(outer)) or body.material.varies or body.kinematics.ring:
+        return None
+    return AffineCells(body) if are_affine(body) else None
 
 
 def are_affine(body: Body) -> bool:

@@ -7,7 +7,7 @@ which this one is a moved or mirrored copy.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -92,8 +92,6 @@ class Cellwise:
     free: the degrees of freedom that are unknowns; kept: those unknowns that stay, none of them inside of a cell.
     """
 
-    #: How many entries of the cells' matrices are made at a time.
-    ENTRIES = 2**24
     #: Unknowns up to which the skeleton's matrix is dense.
     SMALL = 400
 
@@ -108,7 +106,7 @@ class Cellwise:
         number = np.cumsum(is_outer) - 1
         places, size = np.where(outer >= 0, number[outer], -1), len(self._skeleton)
         self._gather = _gathering(places, size)
-        complements = np.concatenate([self._complements(part) for part in self._parts()])
+        complements = np.concatenate([self._complements(part) for part in self.cells.parts()])
         matrix = _dense_sum(complements, places, size) if size <= self.SMALL else _sparse_sum(complements, self._gather)
         self._rest = Whole(matrix, number[kept])
 
@@ -125,7 +123,7 @@ class Cellwise:
         y = np.empty(len(forces))
         y[self._skeleton] = self._rest.extended(kept, self._onto_skeleton(forces)[0])
         around = (self._gather @ y[self._skeleton]).reshape(len(self._inner), -1, 1)
-        for part in self._parts():
+        for part in self.cells.parts():
             matrix, coupling = self._inside(part)
             y[self._inner[part]] = np.linalg.solve(
                 matrix, forces[self._inner[part]][:, :, None] - coupling @ around[part]
@@ -142,7 +140,7 @@ class Cellwise:
         """What forces on all unknowns are on the skeleton, and the work of those inside of the cells."""
         inner, on_skeleton, work = forces[self._inner], forces[self._skeleton], 0.0
         if np.any(inner):
-            for part in self._parts():
+            for part in self.cells.parts():
                 matrix, coupling = self._inside(part)
                 response = np.linalg.solve(matrix, inner[part][:, :, None])
                 passed_on = np.zeros((len(inner), coupling.shape[2]))
@@ -155,12 +153,6 @@ class Cellwise:
         """The stiffness inside some cells, and between inside and around."""
         inner, outer = self.cells.inner, self.cells.outer
         return self.cells.block(inner, inner, part), self.cells.block(inner, outer, part)
-
-    def _parts(self) -> Iterator[slice]:
-        """The cells, so many at a time that their matrices fit well."""
-        count, nodes = self.cells.nodes.shape
-        step = max(1, self.ENTRIES // (self.cells.dim * nodes) ** 2)
-        return (slice(first, first + step) for first in range(0, count, step))
 
 
 class Image:

@@ -18,7 +18,7 @@ import scipy
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from .affine import AffineCells, are_affine
+from .affine import AffineCells, affine_cells
 from .body import Body
 from .elimination import Elimination, eliminate_cellwise, eliminate_whole
 from .factor import Factor
@@ -35,8 +35,6 @@ Floats = NDArray[np.float64]
 
 #: Entries up to which a dense product is faster than a sparse one.
 SMALL = 0
-#: Elements of this degree have much of their unknowns inside of the cells.
-CELLWISE_DEGREE = 3
 
 
 @dataclass(frozen=True)
@@ -69,26 +67,42 @@ class Fields:
 
 
 class Matrices:
-    """A body's stiffness as its forms give it, assembled when first asked for."""
+    """A body's stiffness: cell by cell where that pays, and as its forms give it, made when first asked for."""
 
     def __init__(self, body: Body, basis: scipy.sparse.csr_matrix) -> None:
         self._body, self._basis = body, basis
+        self.has_springs = any(isinstance(support, Spring) for support in body.supports)
+
+    @cached_property
+    def cells(self) -> AffineCells | None:
+        """The cells, or None where the matrix as a whole is the better way."""
+        return affine_cells(self._body)
 
     @cached_property
     def springs(self) -> scipy.sparse.csr_matrix:
-        """That of the springs, for all degrees of freedom."""
+        """The matrix of the springs, for all degrees of freedom."""
         return spring_matrix(self._body)
 
     @cached_property
     def full(self) -> scipy.sparse.csr_matrix:
-        """a(u, v) with the springs, for all degrees of freedom."""
+        """The matrix of a(u, v) with the springs, for all degrees of freedom."""
         elastic = stiffness_matrix(self._body)
-        return (elastic + self.springs).tocsr() if self.springs.nnz else elastic
+        return (elastic + self.springs).tocsr() if self.has_springs else elastic
 
     @cached_property
     def reduced(self) -> scipy.sparse.csr_matrix:
         """The same in the unknowns."""
         return within(self._basis, self.full)
+
+    def forces(self, u: Floats) -> Floats:
+        """a(u, ·) with the springs, of all degrees of freedom."""
+        if self.cells is None or "full" in vars(self):
+            return self.full @ u
+        return self.cells.forces(u) + self.spring_forces(u)
+
+    def spring_forces(self, u: Floats) -> Floats:
+        """What the springs do against displacements (dofs,) or (dofs, n)."""
+        return self.springs @ u if self.has_springs else np.zeros_like(u)
 
 
 class Subproblem:
@@ -103,16 +117,6 @@ class Subproblem:
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
         self.motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
         self._factor: Factor | None = None
-
-    @property
-    def full_stiffness(self) -> scipy.sparse.csr_matrix:
-        """a(u, v) with the springs, for all degrees of freedom."""
-        return self.matrices.full
-
-    @property
-    def full_springs(self) -> scipy.sparse.csr_matrix:
-        """What the springs give, for all degrees of freedom."""
-        return self.matrices.springs
 
     @cached_property
     def stiffness(self) -> Operator:
@@ -141,10 +145,7 @@ class Subproblem:
     @property
     def spring_forces(self) -> Floats:
         """The forces with which springs answer the rigid motions, (unknowns, motions)."""
-        modes = self.motions[0]
-        if not any(isinstance(support, Spring) for support in self.body.supports):
-            return np.zeros_like(modes)
-        return self.basis.T @ (self.full_springs @ (self.basis @ modes))
+        return self.basis.T @ self.matrices.spring_forces(self.basis @ self.motions[0])
 
     def refreshed(self) -> Subproblem:
         """The same problem for the present loads and prescribed displacements; all matrices are shared."""
@@ -158,7 +159,7 @@ class Subproblem:
     def _set_loads(self) -> None:
         """What follows from the loads and prescribed displacements."""
         self.full_load = load_vector(self.body)
-        prescribed = self.full_stiffness @ self.fixed if np.any(self.fixed) else np.zeros_like(self.fixed)
+        prescribed = self.matrices.forces(self.fixed) if np.any(self.fixed) else np.zeros_like(self.fixed)
         self.load = self.basis.T @ (self.full_load - prescribed)
         self.constant = float(0.5 * self.fixed @ prescribed - self.full_load @ self.fixed)
 
@@ -225,8 +226,8 @@ class Subproblem:
     def fields(self, y: Floats, deformation: Floats) -> Fields:
         """What the solution tells of the body."""
         u, deformed = self.displacement(y), self.displacement(deformation)
-        elastic = self.full_stiffness @ deformed
-        return Fields(u, elastic, self.full_springs @ u, 0.5 * float(deformed @ elastic))
+        elastic = self.matrices.forces(deformed)
+        return Fields(u, elastic, self.matrices.spring_forces(u), 0.5 * float(deformed @ elastic))
 
     def normal_displacements(self, step: Floats, y: Floats, at_nodes: bool) -> tuple[Floats, Floats]:
         """u_n of a step and of the unknowns, at the nodes of all contact surfaces or at the contacts' points."""
@@ -481,13 +482,9 @@ def _eliminated(
     problem: Subproblem, kept: NDArray[np.intp], comm: MPI.Comm, others: Sequence[Elimination]
 ) -> Elimination:
     """A body's inside eliminated: cell by cell first where many unknowns lie inside of alike cells."""
-    body, free = problem.body, selection(problem.basis)
-    plain = free is not None and not body.material.varies and not body.kinematics.ring
-    springs = any(isinstance(support, Spring) for support in body.supports)
-    if comm.size == 1 and plain and not springs and body.degree >= CELLWISE_DEGREE and are_affine(body):
-        cells = AffineCells(body)
-        if len(cells.inner):
-            return eliminate_cellwise(cells, free, kept, others)
+    matrices, free = problem.matrices, selection(problem.basis)
+    if comm.size == 1 and free is not None and not matrices.has_springs and matrices.cells is not None:
+        return eliminate_cellwise(matrices.cells, free, kept, others)
     return eliminate_whole(problem.stiffness, kept, comm, others)
 
 
