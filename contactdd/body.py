@@ -70,9 +70,8 @@ class Body:
     @cached_property
     def space(self) -> fem.FunctionSpace:
         """The finite element space of the body's displacements."""
-        return fem.functionspace(
-            self.mesh.domain, _lagrange(self.mesh.domain.topology.cell_name(), self.degree, self.mesh.dim)
-        )
+        element = _lagrange(self.mesh.domain.topology.cell_name(), self.degree, self.mesh.dim)
+        return compat.function_space(self.mesh.domain, element)
 
     @cached_property
     def stiffness(self) -> Any:

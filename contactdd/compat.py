@@ -6,7 +6,8 @@ The rest of the package calls these functions and never asks for a version.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cache
 from typing import Any
 
 with contextlib.suppress(ImportError):
@@ -77,6 +78,46 @@ def geometry_dofmap(domain: dmesh.Mesh) -> NDArray[np.int32]:
     """The geometry nodes of every cell, shape (cells, nodes)."""
     geometry = domain.geometry
     return geometry.dofmaps[0] if VERSION >= (0, 11) else geometry.dofmap
+
+
+def structured(
+    corners: Sequence[NDArray[np.float64]], counts: Sequence[int], cell: dmesh.CellType, diagonal: dmesh.DiagonalType
+) -> dmesh.Mesh:
+    """A mesh of equal cells between two corners, `diagonal` the way in which triangles are cut."""
+    if len(counts) == 2:
+        mesh = cpp.mesh.create_rectangle_float64(MPI.COMM_SELF, corners, counts, cell, None, diagonal)
+    else:
+        mesh = cpp.mesh.create_box_float64(MPI.COMM_SELF, corners, counts, cell, None)
+    return dmesh.Mesh(mesh, ufl.Mesh(_straight_element(cell)))
+
+
+def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
+    """The space of a basix element, as `fem.functionspace` makes it, which looks up what is the same for all meshes."""
+    compiled = _finite_element(domain.topology.cell_type, element)
+    dofmap = cpp.fem.create_dofmap(domain.comm, domain.topology._cpp_object, compiled)
+    shape = (element.reference_value_shape,) if VERSION < (0, 10) else ()
+    return fem.FunctionSpace(
+        domain, element, cpp.fem.FunctionSpace_float64(domain._cpp_object, compiled, dofmap, *shape)
+    )
+
+
+@cache
+def _straight_element(cell: dmesh.CellType) -> Any:
+    """The coordinate element that dolfinx gives to structured meshes."""
+    return _sample(cell).ufl_domain().ufl_coordinate_element()
+
+
+@cache
+def _finite_element(cell: dmesh.CellType, element: Any) -> Any:
+    """dolfinx's own object of a basix element."""
+    return fem.functionspace(_sample(cell), element)._cpp_object.element
+
+
+def _sample(cell: dmesh.CellType) -> dmesh.Mesh:
+    """A smallest mesh, from which to take what is the same for all meshes of a cell type. Itself it is not kept."""
+    if dmesh.cell_dim(cell) == 2:
+        return dmesh.create_unit_square(MPI.COMM_SELF, 1, 1, cell)
+    return dmesh.create_unit_cube(MPI.COMM_SELF, 1, 1, 1, cell)
 
 
 def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64]) -> dmesh.Mesh:

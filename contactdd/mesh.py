@@ -161,11 +161,8 @@ def rectangle(
     one_of("diagonal", diagonal, ("left", "right", "crossed"))
     corners, lines = _grid(lower_left, upper_right, cells, 2)
     counts = [len(line) - 1 for line in lines]
-    domain = dmesh.create_rectangle(
-        MPI.COMM_SELF, corners, counts, dmesh.CellType[shape], diagonal=dmesh.DiagonalType[diagonal]
-    )
-    _move(domain, corners, lines)
-    return Mesh(domain, _mark(domain, _box_sides(corners, (("left", "right"), ("bottom", "top")))))
+    domain = compat.structured(corners, counts, dmesh.CellType[shape], dmesh.DiagonalType[diagonal])
+    return _structured(domain, corners, lines, (("left", "right"), ("bottom", "top")))
 
 
 def box(
@@ -178,14 +175,13 @@ def box(
     one_of("shape", shape, ("tetrahedron", "hexahedron"))
     corners, lines = _grid(lower, upper, cells, 3)
     counts = [len(line) - 1 for line in lines]
-    domain = dmesh.create_box(MPI.COMM_SELF, corners, counts, dmesh.CellType[shape])
-    _move(domain, corners, lines)
-    return Mesh(domain, _mark(domain, _box_sides(corners, (("left", "right"), ("front", "back"), ("bottom", "top")))))
+    domain = compat.structured(corners, counts, dmesh.CellType[shape], dmesh.DiagonalType.right)
+    return _structured(domain, corners, lines, (("left", "right"), ("front", "back"), ("bottom", "top")))
 
 
 def from_dolfinx(domain: dmesh.Mesh, **markers: Marker) -> Mesh:
     """A mesh made with dolfinx, its surfaces given as functions x (3, points) -> bool of boundary facets."""
-    return Mesh(domain, {}).with_surfaces(**markers)
+    return Mesh(domain, _mark(domain, markers))
 
 
 def from_gmsh(model: Any, dim: int = 2, *, body: str | None = None) -> Mesh:
@@ -299,33 +295,50 @@ def _line(start: float, end: float, cells: Cells) -> NDArray[np.float64]:
     if (
         line.ndim != 1
         or len(line) < 2
-        or not np.all(np.diff(line) > 0)
-        or np.abs(line[[0, -1]] - (start, end)).max() > tolerance
+        or not np.all(line[1:] > line[:-1])
+        or not max(abs(line[0] - start), abs(line[-1] - end)) <= tolerance
     ):
         raise ValueError(f"cells = {cells!r}: expected increasing coordinates from {start} to {end}")
     return line
 
 
-def _move(domain: dmesh.Mesh, corners: list[NDArray[np.float64]], lines: list[NDArray[np.float64]]) -> None:
+def _structured(
+    domain: dmesh.Mesh,
+    corners: list[NDArray[np.float64]],
+    lines: list[NDArray[np.float64]],
+    names: Sequence[tuple[str, str]],
+) -> Mesh:
+    """The mesh of equal cells with its nodes moved to the given coordinates and its sides named."""
+    _move(domain, lines)
+    surfaces = _sides(domain, corners, names)
+    steps = np.concatenate([line[1:] - line[:-1] for line in lines])
+    shortest = steps.min()
+    # Boxes that are not flat, and not so small that they are lost in the rounding of coordinates, are good cells.
+    sound = shortest > 1e-4 * steps.max() and shortest > 1e-8 * np.abs(corners).max()
+    return Mesh._sound(domain, surfaces) if sound else Mesh(domain, surfaces)
+
+
+def _move(domain: dmesh.Mesh, lines: list[NDArray[np.float64]]) -> None:
     """Move the nodes of a structured mesh of equal cells to the given coordinates."""
     x = domain.geometry.x
     for axis, line in enumerate(lines):
-        equal = np.linspace(corners[0][axis], corners[1][axis], len(line))
-        if not np.array_equal(line, equal):
-            x[:, axis] = np.interp(x[:, axis], equal, line)
+        cells = len(line) - 1
+        # Which line a node is on, halves for the middles of crossed cells
+        place = np.rint((x[:, axis] - line[0]) * (2 * cells / (line[-1] - line[0]))) / 2
+        x[:, axis] = np.interp(place, np.arange(cells + 1), line)
 
 
-def _box_sides(corners: list[NDArray[np.float64]], names: Sequence[tuple[str, str]]) -> dict[str, Marker]:
-    tolerance = 1e-10 * float(np.max(corners[1] - corners[0]))  # coordinates of a structured mesh, to rounding
-
-    def on_plane(axis: int, value: float) -> Marker:
-        return lambda x: np.abs(x[axis] - value) <= tolerance
-
-    return {
-        name: on_plane(axis, corner[axis])
-        for axis, pair in enumerate(names)
-        for name, corner in zip(pair, corners, strict=True)
-    }
+def _sides(
+    domain: dmesh.Mesh, corners: list[NDArray[np.float64]], names: Sequence[tuple[str, str]]
+) -> dict[str, NDArray[np.int32]]:
+    """The facets on the sides of a box, `names` those of its lower and its upper side across each axis."""
+    dim = domain.topology.dim
+    domain.topology.create_connectivity(dim - 1, dim)
+    facets = dmesh.exterior_facet_indices(domain.topology)  # sorted
+    x = domain.geometry.x[dmesh.entities_to_geometry(domain, dim - 1, facets, False)][:, :, :dim]
+    tolerance = 1e-10 * max(corners[1] - corners[0])  # coordinates of a structured mesh, to rounding
+    on_side = [np.abs(x - corner).max(axis=1) <= tolerance for corner in corners]
+    return {name: facets[on_side[end][:, axis]] for axis, pair in enumerate(names) for end, name in enumerate(pair)}
 
 
 def _mark(domain: dmesh.Mesh, markers: Mapping[str, Marker]) -> dict[str, NDArray[np.int32]]:

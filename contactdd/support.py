@@ -52,9 +52,9 @@ class Symmetry:
         object.__setattr__(self, "surfaces", surfaces)
 
     def conditions(self, body: Body) -> Iterator[Condition]:
-        for surface in self.surfaces:
+        for surface, normal in _plane_normals(body, self.surfaces):
             nodes = surface_nodes(body, surface)
-            yield nodes, _plane_normal(body, surface), np.zeros(len(nodes))
+            yield nodes, normal, np.zeros(len(nodes))
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,9 @@ def affine_space(body: Body) -> tuple[scipy.sparse.csr_matrix, Floats]:
         axis = int(np.argmax(np.abs(direction)))
         if abs(direction[axis]) > 1 - 1e-12:
             values = values * np.sign(direction[axis])
-            _refuse_conflict(body, fixed[where, axis] & (np.abs(offset[where, axis] - values) > 1e-12 * np.ptp(values)))
+            again = fixed[where, axis]
+            if np.any(again):
+                _refuse_conflict(body, again & (np.abs(offset[where, axis] - values) > 1e-12 * np.ptp(values)))
             fixed[where, axis], offset[where, axis] = True, values
         else:
             for node, value in zip(where, values, strict=True):
@@ -211,29 +213,36 @@ def _refuse_open_axis(body: Body, fixed: NDArray[np.bool_]) -> None:
 def _assemble(fixed: NDArray[np.bool_], blocks: dict[int, Floats]) -> scipy.sparse.csr_matrix:
     """Z from the axis-aligned conditions and the nodes' own blocks."""
     dim = fixed.shape[1]
-    selected = ~fixed
-    selected[list(blocks)] = False
-    rows = [np.flatnonzero(selected)]
-    columns, values = [np.arange(len(rows[0]))], [np.ones(len(rows[0]))]
-    size = len(rows[0])
+    counts = (~fixed).astype(np.int32)  # entries in each row
+    counts[list(blocks)] = 0
+    plain = np.flatnonzero(counts)
     for node, block in blocks.items():
-        free = block.shape[1]
-        rows.append(np.repeat(node * dim + np.arange(dim), free))
-        columns.append(np.tile(size + np.arange(free), dim))
-        values.append(block.ravel())
+        counts[node] = block.shape[1]
+    ends = np.concatenate([[0], np.cumsum(counts)], dtype=np.int32)
+    columns, values = np.empty(ends[-1], dtype=np.int32), np.ones(ends[-1])
+    size = len(plain)
+    columns[ends[plain]] = np.arange(size)
+    for node, block in blocks.items():
+        here, free = slice(ends[node * dim], ends[node * dim + dim]), block.shape[1]
+        columns[here], values[here] = np.tile(size + np.arange(free), dim), block.ravel()
         size += free
-    entries = (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns)))
-    return scipy.sparse.csr_matrix(entries, shape=(fixed.size, size))
+    return scipy.sparse.csr_matrix((values, columns, ends), shape=(fixed.size, size))
 
 
-def _plane_normal(body: Body, surface: str) -> Floats:
-    """The outward normal of a flat surface; a curved one is refused."""
-    entities = body.mesh.entities(surface)
-    middle = np.full((len(entities), body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
-    normals = facet_points(body.mesh.domain, entities, middle).normal
-    mean = normals.mean(axis=0)
-    mean /= max(float(np.linalg.norm(mean)), 1e-300)
-    if np.abs(normals - mean).max() > 1e-8:  # a mesh's coordinates may have been rounded to eight digits in a file
-        raise ValueError(f"surface = {surface!r} of body {body.name!r}: expected a flat surface for a symmetry plane")
-    mean[np.abs(mean) < 1e-8] = 0.0
-    return mean / np.linalg.norm(mean)
+def _plane_normals(body: Body, surfaces: Sequence[str]) -> Iterator[tuple[str, Floats]]:
+    """The flat surfaces by name, each with its outward normal; a curved one is refused."""
+    if not surfaces:
+        return
+    entities = [body.mesh.entities(surface) for surface in surfaces]
+    middle = np.full((sum(map(len, entities)), body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
+    normals = facet_points(body.mesh.domain, np.concatenate(entities), middle).normal
+    end = 0
+    for surface, pairs in zip(surfaces, entities, strict=True):
+        start, end = end, end + len(pairs)
+        mean = normals[start:end].mean(axis=0)
+        mean /= max(float(np.linalg.norm(mean)), 1e-300)
+        if np.abs(normals[start:end] - mean).max() > 1e-8:  # a file may have rounded coordinates to eight digits
+            raise ValueError(
+                f"surface = {surface!r} of body {body.name!r}: expected a flat surface for a symmetry plane"
+            )
+        yield surface, np.where(np.abs(mean) < 1e-8, 0.0, mean)

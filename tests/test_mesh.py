@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -74,6 +75,60 @@ def test_a_misspelt_surface_is_refused_with_those_there():
     mesh = cd.rectangle((0, 0), (1, 1), (2, 2))
     with pytest.raises(ValueError, match=r"surface = 'tpo'.*'bottom', 'left', 'right', 'top'"):
         cd.Body("a", mesh, STEEL, supports=[cd.Fixed("tpo")])
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "cells", "message"),
+    [
+        ((0, 0), (1, 1e-13), (2, 2), "8 cells are degenerate"),
+        ((0, 0), (1, 1), (2, [0, 1e-13, 1]), "degenerate"),
+        ((0, 0), (np.inf, 1), (2, 2), "expected finite numbers"),
+        ((0, 0, 0), (1, 1e-9, 1e-9), (1, 1, 1), "degenerate"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_structured_meshes_of_bad_cells_are_refused(low, high, cells, message):
+    with pytest.raises(ValueError, match=message):
+        (cd.rectangle if len(low) == 2 else cd.box)(low, high, cells)
+
+
+# ------------------------------------------------------------------------------------------------------ structured
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"diagonal": "left"}, {"diagonal": "crossed"}, {"shape": "quadrilateral"}],
+    ids=lambda o: "-".join(o.values()),
+)
+def test_nodes_of_a_graded_rectangle(options):
+    lines = [0.1, 0.4, 0.45, 1.2], [-0.3, 0.1 + 0.2, 1.1]
+    x = cd.rectangle((0.1, -0.3), (1.2, 1.1), lines, **options).domain.geometry.x
+    corners = set(itertools.product(*lines))
+    halves = [[(a + b) / 2 for a, b in itertools.pairwise(line)] for line in lines]
+    middles = set(itertools.product(*halves)) if options.get("diagonal") == "crossed" else set()
+    there = {(float(a), float(b)) for a, b, _ in x}
+    assert corners <= there
+    others = sorted(there - corners)
+    assert len(others) == len(middles)
+    assert np.allclose(others, sorted(middles), rtol=1e-15)
+
+
+@pytest.mark.parametrize("kind", range(4), ids=["triangle", "quadrilateral", "tetrahedron", "hexahedron"])
+def test_sides_of_a_structured_mesh(kind):
+    mesh = blocks()[kind]
+    names = (
+        [("left", "right"), ("bottom", "top")]
+        if mesh.dim == 2
+        else [("left", "right"), ("front", "back"), ("bottom", "top")]
+    )
+    sides = {name: (axis, end) for axis, pair in enumerate(names) for end, name in enumerate(pair)}
+    again = cd.from_dolfinx(
+        mesh.domain, **{name: lambda x, a=axis, e=end: np.abs(x[a] - e) < 1e-9 for name, (axis, end) in sides.items()}
+    )
+    assert list(mesh.surfaces) == list(again.surfaces)
+    for name, facets in again.surfaces.items():
+        assert np.array_equal(mesh.facets(name), facets)
+        assert mesh.facets(name).dtype == np.int32
 
 
 # --------------------------------------------------------------------------------------------------------- gmsh
