@@ -38,7 +38,7 @@ class AffineCells:
     """
 
     #: How many entries of the cells' matrices are made at a time.
-    ENTRIES = 2**24
+    ENTRIES = 2**20  # 8 MB: what stays in a processor's cache
 
     def __init__(self, body: Body) -> None:
         element = body.space.ufl_element()
