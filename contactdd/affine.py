@@ -116,25 +116,29 @@ def are_affine(body: Body) -> bool:
     element = compat.coordinate_map(body.mesh.domain)
     if element.degree > 1:
         return False
-    vertices = np.asarray(basix.geometry(element.cell_type))
+    vertices, ends = _vertices(element.cell_type)
     if len(vertices) == body.mesh.dim + 1:
         return True
     x = body.mesh.domain.geometry.x[compat.geometry_dofmap(body.mesh.domain)]
-    straight = x[:, :1] + vertices @ (x[:, 1 + _axes(vertices)] - x[:, :1])
+    straight = x[:, :1] + vertices @ (x[:, ends] - x[:, :1])
     return bool(np.abs(straight - x).max() <= 1e-14 * np.abs(x).max())  # what rounding leaves of a parallelogram
-
-
-def _axes(vertices: Floats) -> Indices:
-    """Which vertices but the first lie at the ends of the reference cell's axes, counted from the second."""
-    return np.array([np.flatnonzero(np.all(vertices[1:] == axis, axis=1))[0] for axis in np.eye(vertices.shape[1])])
 
 
 def _jacobians(body: Body) -> Floats:
     """J of every cell's map, (cells, dim, dim)."""
     domain, dim = body.mesh.domain, body.mesh.dim
-    ends = _axes(np.asarray(basix.geometry(compat.coordinate_map(domain).cell_type)))
     nodes = domain.geometry.x[compat.geometry_dofmap(domain)][:, :, :dim]
-    return np.swapaxes(nodes[:, 1 + ends] - nodes[:, :1], 1, 2)
+    _, ends = _vertices(compat.coordinate_map(domain).cell_type)
+    return np.swapaxes(nodes[:, ends] - nodes[:, :1], 1, 2)
+
+
+@cache
+def _vertices(cell: basix.CellType) -> tuple[Floats, Indices]:
+    """The vertices of the reference cell, and which of them are one along an axis from the first."""
+    vertices = np.asarray(basix.geometry(cell))
+    return vertices, np.array(
+        [np.flatnonzero(np.all(vertices == axis, axis=1))[0] for axis in np.eye(len(vertices[0]))]
+    )
 
 
 @cache

@@ -42,9 +42,7 @@ class Elimination(Protocol):
 class Whole:
     """Everything eliminated at once, by this rank or by those of `comm` together."""
 
-    def __init__(
-        self, matrix: scipy.sparse.csr_matrix | Floats, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF
-    ) -> None:
+    def __init__(self, matrix: scipy.sparse.csr_matrix | Floats, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self._matrix, self._kept = matrix, kept
         if isinstance(matrix, np.ndarray):
             self._factor: DenseFactor | Factor | SpreadFactor = DenseFactor(matrix, kept)

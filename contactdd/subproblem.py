@@ -145,7 +145,10 @@ class Subproblem:
     @property
     def spring_forces(self) -> Floats:
         """The forces with which springs answer the rigid motions, (unknowns, motions)."""
-        return self.basis.T @ self.matrices.spring_forces(self.basis @ self.motions[0])
+        modes = self.motions[0]
+        if not self.matrices.has_springs:
+            return np.zeros_like(modes)
+        return self.basis.T @ (self.matrices.springs @ (self.basis @ modes))
 
     def refreshed(self) -> Subproblem:
         """The same problem for the present loads and prescribed displacements; all matrices are shared."""
@@ -446,30 +449,31 @@ def _kept_columns(
     free = selection(basis)
     if free is None:
         some = basis[:, kept]
-        return lambda operator: _dense_if_small((operator @ some).tocsr())
+        return lambda operator: (operator @ some).tocsr()
     number = np.full(basis.shape[0], -1, dtype=np.int32)
     number[free[kept]] = np.arange(len(kept), dtype=np.int32)
 
     def columns_of(operator: scipy.sparse.csr_matrix) -> Operator:
-        columns = number[operator.indices]
-        present = columns >= 0
-        ends = np.concatenate([[0], np.cumsum(present)])[operator.indptr]
-        entries = (operator.data[present], columns[present], ends)
-        return _dense_if_small(scipy.sparse.csr_matrix(entries, shape=(operator.shape[0], len(kept))))
+        columns, rows = number[operator.indices], np.repeat(np.arange(operator.shape[0]), np.diff(operator.indptr))
+        present, shape = columns >= 0, (operator.shape[0], len(kept))
+        rows, columns, values = rows[present], columns[present], operator.data[present]
+        if shape[0] * shape[1] > SMALL:
+            return scipy.sparse.csr_matrix((values, (rows, columns)), shape=shape)
+        dense = np.zeros(shape)
+        dense[rows, columns] = values
+        return dense
 
     return columns_of
-
-
-def _dense_if_small(operator: scipy.sparse.csr_matrix) -> Operator:
-    return operator.toarray() if operator.shape[0] * operator.shape[1] <= SMALL else operator
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
     """The unknowns that a contact's normal displacements depend on and, where a body could still move rigidly with
     all of them held, every unknown of the same nodes: the inside must be a well-posed problem."""
     basis = problem.basis
-    traces = [trace for _, side in problem.sides for trace in (side.trace, side.surface.trace)]
-    kept = np.unique(basis[np.unique(np.concatenate([trace.indices for trace in traces]))].indices)
+    touched = np.zeros(basis.shape[0], dtype=bool)
+    for _, side in problem.sides:
+        touched[side.trace.indices] = touched[side.surface.trace.indices] = True
+    kept = np.unique(basis.indices[np.repeat(touched, np.diff(basis.indptr))])
     if _hold(problem.motions[0][kept]):
         return kept
     dim = problem.body.mesh.dim

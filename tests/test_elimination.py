@@ -104,7 +104,9 @@ def test_cellwise_is_the_same_as_whole(shape, degree, dim, floating, monkeypatch
     supports = [walls] if floating else [cd.Fixed("bottom")]
     inner = problem(shape, degree, (0.0,) * dim, supports)
     kept = kept_unknowns(inner)
-    monkeypatch.setattr(AffineCells, "ENTRIES", 2 * inner.body.space.element.space_dimension**2)  # a few cells at a time
+    monkeypatch.setattr(
+        AffineCells, "ENTRIES", 2 * inner.body.space.element.space_dimension**2
+    )  # a few cells at a time
     whole = Whole(inner.stiffness, kept)
     cellwise = Cellwise(AffineCells(inner.body), selection(inner.basis), kept)
     scale = np.abs(whole.complement).max()
