@@ -6,7 +6,7 @@ import numpy as np
 
 import contactdd as cd
 
-from .problem import EXPONENT, HEIGHT, LENGTH, LOAD, POISSON, SOFTNESS, TOLERANCE, YOUNG, Answer, Floats, Grid, gap
+from .problem import EXPONENT, HEIGHT, LENGTH, LOAD, POISSON, SOFTNESS, TOLERANCE, YOUNG, Answer, Grid, gap
 
 STEEL = cd.Isotropic(E=YOUNG, nu=POISSON)
 LAYER = cd.PowerLayer(B=SOFTNESS, a=EXPONENT)
