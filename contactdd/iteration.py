@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,7 +98,7 @@ class Run:
             self.anderson.memory = memory
         self.linear, self._note = _step(scheme, problems, scene)
         self._points = [interface.x.T for interface in scene.interfaces]
-        self._size = max(float(np.ptp(body.mesh.domain.geometry.x, axis=0).max()) for body in scene.bodies)
+        self._size = max(body.mesh.size for body in scene.bodies)
         self._stiffest = max(problem.rigid.largest for problem in problems)
         self._first_force = 0.0
         self._at_nodes = False
@@ -165,7 +167,7 @@ class Run:
         else:
             steps, restart = self._accelerated(corrections, residuals, length, energy)
             note = ", ".join(filter(None, (note, restart)))
-        contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
+        contact = sum(float(i.weights @ (z < 0)) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
         self.state = self._moved(self.scene.ranks.agree(steps))
         return Record(
             iteration=k,
@@ -202,10 +204,15 @@ class Run:
         try:
             return self.linear.correct(phi, residuals, scale), phi, ""
         except LooseBodyError:
-            if not survive or escape(self.problems, self.scene.interfaces) is not None:
+            if not survive or self._escape is not None:
                 raise
         phi = self._softened(phi, residuals)
         return self.linear.correct(phi, residuals, scale), phi, "open: held by a soft Robin term"
+
+    @cached_property
+    def _escape(self) -> LooseBodyError | None:
+        """What moves for ever where there is no equilibrium."""
+        return escape(self.problems, self.scene.interfaces)
 
     def _softened(self, phi: dict[int, Floats], residuals: list[Floats]) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
@@ -284,14 +291,14 @@ class Run:
         """The largest relative change of a body's u_n; to be asked after the move."""
         largest = 0.0
         for problem, step, y in zip(self.problems, steps, self.state.unknowns, strict=True):
-            moved, size = (np.linalg.norm(u_n) for u_n in problem.normal_displacements(step, y, self._at_nodes))
-            largest = max(largest, float(moved / size) if size > 0.0 else float(moved > 0.0))
+            moved, size = (norm([u_n]) for u_n in problem.normal_displacements(step, y, self._at_nodes))
+            largest = max(largest, moved / size if size > 0.0 else float(moved > 0.0))
         return largest
 
     def _bounded(self) -> bool:
         """Whether the displacements are finite and not absurd."""
         return all(
-            bool(np.all(np.isfinite(z))) and float(np.abs(z - interface.gap).max()) < 100 * self._size
+            bool(np.abs(z - interface.gap).max() < 100 * self._size)  # false also of what is not a number
             for z, interface in zip(self.state.gaps, self.scene.interfaces, strict=True)
         )
 
@@ -307,13 +314,13 @@ class Run:
 
     def _ending(self, status: str, reason: str) -> Ending:
         """The end of a run for this reason, unless there is a deeper one: no equilibrium."""
-        way = escape(self.problems, self.scene.interfaces)
+        way = self._escape
         return Ending(status, reason) if way is None else Ending("no equilibrium", str(way), way)
 
 
 def norm(vectors: Sequence[Floats]) -> float:
     """The Euclidean norm of several vectors together."""
-    return float(np.sqrt(sum(float(v @ v) for v in vectors)))
+    return math.sqrt(sum(float(v @ v) for v in vectors))
 
 
 def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple[Step, str]:

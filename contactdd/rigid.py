@@ -72,7 +72,7 @@ class RigidMotions:
         elastic = self.modes.T @ self.springs
         return 0.5 * (elastic + elastic.T)
 
-    @property
+    @cached_property
     def floating(self) -> bool:
         """Whether there are free motions and no spring resists any of them."""
         return self.modes.shape[1] > 0 and not np.any(self.springs)
@@ -86,14 +86,20 @@ class RigidMotions:
         held = self.elastic + sum(root.T @ root for root in roots)
         # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
         limit = 1e-14 * max(self.largest, float(np.abs(held).max()))
-        values = held[0] if count == 1 else np.linalg.eigvalsh(held)
-        if values[0] > limit:
-            return np.zeros((count, 0))
+        # Mostly the contacts hold all that they ever could.
+        if _smallest(held + self.largest * (self._idle @ self._idle.T)) > limit:
+            return self._idle
         # The roots give the free motions; their squares would mix in held ones by the rounding of the stiffest layer.
         springs, directions = np.linalg.eigh(self.elastic)
         roots.append(np.sqrt(np.maximum(springs, 0.0))[:, None] * directions.T)
         _, singular, motions = np.linalg.svd(np.linalg.qr(np.vstack(roots), mode="r"))
         return motions[singular**2 <= limit].T
+
+    @cached_property
+    def _idle(self) -> Floats:
+        """The neutral motions, (motions, idle); none if springs that are soft enough for these hold any of them."""
+        answer = self.neutral.T @ self.elastic @ self.neutral
+        return self.neutral[:, : 0 if np.any(np.abs(answer) > 1e-14 * self.largest) else None]
 
     @cached_property
     def neutral(self) -> Floats:
@@ -148,10 +154,17 @@ def joint_motions(problems: Sequence[Subproblem], interfaces: Sequence[Interface
     return RigidMotions(modes, springs, contacts, owners, largest)
 
 
+def _smallest(matrix: Floats) -> float:
+    """The smallest eigenvalue of a symmetric matrix."""
+    return float(matrix[0, 0] if len(matrix) == 1 else np.linalg.eigvalsh(matrix)[0])
+
+
 def pivots(motions: Floats) -> NDArray[np.intp]:
     """As many unknowns as there are motions (unknowns, motions), such that holding them stops every motion."""
     if motions.shape[1] == 0:
         return np.zeros(0, dtype=np.intp)
+    if motions.shape[1] == 1:
+        return np.abs(motions[:, 0]).argmax()[None]
     return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: motions.shape[1]]
 
 
