@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
@@ -33,9 +34,11 @@ class CoupledSystem:
         self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], *, factored: bool = True
     ) -> None:
         self._problems, self._interfaces = problems, interfaces
-        self._ends = np.cumsum([problem.size for problem in problems])
+        ends = list(itertools.accumulate(problem.size for problem in problems))
+        self._parts = [slice(end - problem.size, end) for problem, end in zip(problems, ends, strict=True)]
+        self._size = ends[-1]
         condensed = all(isinstance(problem.stiffness, np.ndarray) for problem in problems)
-        self._dense = condensed and self._ends[-1] <= LARGEST_DENSE
+        self._dense = condensed and self._size <= LARGEST_DENSE
         if factored:
             blocks = [problem.stiffness for problem in problems]
             if self._dense:
@@ -56,7 +59,7 @@ class CoupledSystem:
         rhs = np.concatenate(residuals)
         ground = self.rigid.ground(phi, rhs, scale)
         correction = (self._solve_dense if self._dense else self._solve_sparse)(phi, rhs, ground)
-        return np.split(correction, self._ends[:-1])
+        return [correction[part] for part in self._parts]
 
     def _solve_dense(self, phi: Mapping[int, Floats], rhs: Floats, ground: NDArray[np.intp]) -> Floats:
         # BLAS and LAPACK count by columns and need one triangle only.
@@ -93,20 +96,20 @@ class CoupledSystem:
 
     def apply(self, phi: Mapping[int, Floats], unknowns: Floats) -> Floats:
         """The system times a vector."""
-        parts = np.split(unknowns, self._ends[:-1])
-        result = np.concatenate([p.stiffness @ p.deformation(y) for p, y in zip(self._problems, parts, strict=True)])
+        parts = zip(self._problems, self._parts, strict=True)
+        result = np.concatenate([p.stiffness @ p.deformation(unknowns[part]) for p, part in parts])
         for index, total in enumerate(self._sums):
             result += total.T @ (self._interfaces[index].weights * phi[index] * (total @ unknowns))
         return result
 
     def _sum_of_traces(self, index: int) -> Floats | scipy.sparse.csr_matrix:
         """The operator from all unknowns to u_αn + u_βn at the points of an interface; a full matrix where small."""
-        points, ends = len(self._interfaces[index].weights), self._ends
+        points = len(self._interfaces[index].weights)
         ports = [(place, port) for place, p in enumerate(self._problems) for port in p.ports if port.interface == index]
-        if self._dense and points * ends[-1] ** 2 <= LARGEST_PRODUCT:
-            total = np.zeros((points, ends[-1]))
+        if self._dense and points * self._size**2 <= LARGEST_PRODUCT:
+            total = np.zeros((points, self._size))
             for place, port in ports:
-                total[:, ends[place] - port.trace.shape[1] : ends[place]] += port.trace
+                total[:, self._parts[place]] += port.trace
             return total
         blocks = [scipy.sparse.csr_matrix((points, problem.size)) for problem in self._problems]
         for place, port in ports:

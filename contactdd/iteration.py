@@ -99,7 +99,8 @@ class Run:
         self.linear, self._note = _step(scheme, problems, scene)
         self._points = [interface.x.T for interface in scene.interfaces]
         self._size = max(body.mesh.size for body in scene.bodies)
-        self._stiffest = max(problem.rigid.largest for problem in problems)
+        stiffest = max(problem.rigid.largest for problem in problems)  # and the φ that is as stiff as that
+        self._stiffest = [stiffest / interface.weights for interface in scene.interfaces]
         self._first_force = 0.0
         self._at_nodes = False
         self._began = time.process_time()
@@ -190,7 +191,7 @@ class Run:
             z, before, x = state.gaps[index], state.previous_gaps[index], self._points[index]
             values = self.scheme.coefficient(interface.contact.layer, z, before, x)
             # A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
-            phi[index] = np.minimum(values, 1e8 * self._stiffest / interface.weights)
+            phi[index] = np.minimum(values, 1e8 * self._stiffest[index])
         return phi
 
     def _corrections(
@@ -212,7 +213,7 @@ class Run:
     @cached_property
     def _escape(self) -> LooseBodyError | None:
         """What moves for ever where there is no equilibrium."""
-        return escape(self.problems, self.scene.interfaces)
+        return escape(self.problems, self.linear.rigid)
 
     def _softened(self, phi: dict[int, Floats], residuals: list[Floats]) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
@@ -225,8 +226,7 @@ class Run:
         gap = max(float(np.abs(z).max()) for z in self.state.gaps)
         soft = forces / area / (gap if gap > 1e-12 * self._size else self._size)  # coordinates are no better than that
         soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
-        limits = [self._stiffest / interface.weights for interface in self.scene.interfaces]
-        return {index: np.maximum(values, np.minimum(soft, limits[index])) for index, values in phi.items()}
+        return {index: np.maximum(values, np.minimum(soft, self._stiffest[index])) for index, values in phi.items()}
 
     def _accelerated(
         self, corrections: list[Floats], residuals: list[Floats], gamma: float, energy: float
@@ -326,7 +326,7 @@ def norm(vectors: Sequence[Floats]) -> float:
 def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple[Step, str]:
     """The kind of linear problem that the scheme asks for, and why it was chosen where the scheme leaves it open."""
     if scheme.step == "apart":
-        return Apart(problems, scene.ranks), ""
+        return Apart(problems, scene.interfaces, scene.ranks), ""
     unknowns = sum(problem.size for problem in problems)
     entries = sum(problem.size**2 for problem in problems)
     small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridSubproblem) for p in problems)

@@ -19,7 +19,7 @@ from .errors import LooseBodyError
 from .kinematics import Kinematics
 
 if TYPE_CHECKING:
-    from .interface import Interface
+    from .interface import Interface, Spread
     from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ class Resistance:
 
     interface: int
     rows: Floats
-    transfer: scipy.sparse.csr_matrix | None = None
+    transfer: Spread | scipy.sparse.csr_matrix | None = None
 
     def root(self, phi: Mapping[int, Floats]) -> Floats:
         """R of the stiffness RᵀR, (points, motions)."""
@@ -86,6 +86,8 @@ class RigidMotions:
         held = self.elastic + sum(root.T @ root for root in roots)
         # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
         limit = 1e-14 * max(self.largest, float(np.abs(held).max()))
+        if not np.any(held):
+            return np.eye(count)
         # Mostly the contacts hold all that they ever could.
         if _smallest(held + self.largest * (self._idle @ self._idle.T)) > limit:
             return self._idle
@@ -138,17 +140,21 @@ class RigidMotions:
 
 def joint_motions(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> RigidMotions:
     """The free rigid motions of all bodies together; a contact resists those that change its gap."""
-    sizes = np.cumsum([0] + [problem.rigid.modes.shape[1] for problem in problems])
-    closing = [np.zeros((len(interface.weights), sizes[-1])) for interface in interfaces]
-    for place, problem in enumerate(problems):
+    count = sum(problem.rigid.modes.shape[1] for problem in problems)
+    closing = [np.zeros((len(interface.weights), count)) for interface in interfaces]
+    modes = np.zeros((sum(problem.size for problem in problems), count))
+    springs = np.zeros_like(modes)
+    row = column = 0
+    for problem in problems:
+        rows, columns = slice(row, row + problem.size), slice(column, column + problem.rigid.modes.shape[1])
+        modes[rows, columns], springs[rows, columns] = problem.rigid.modes, problem.rigid.springs
         for port in problem.ports:
-            closing[port.interface][:, sizes[place] : sizes[place + 1]] += port.trace @ problem.rigid.modes
+            closing[port.interface][:, columns] += port.trace @ problem.rigid.modes
+        row, column = rows.stop, columns.stop
     contacts = [
         Resistance(index, np.sqrt(interface.weights)[:, None] * rows)
         for index, (interface, rows) in enumerate(zip(interfaces, closing, strict=True))
     ]
-    modes = scipy.linalg.block_diag(*(problem.rigid.modes for problem in problems))
-    springs = scipy.linalg.block_diag(*(problem.rigid.springs for problem in problems))
     largest = max(problem.rigid.largest for problem in problems)
     owners = [owner for problem in problems for owner in problem.rigid.owners]
     return RigidMotions(modes, springs, contacts, owners, largest)
