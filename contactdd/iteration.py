@@ -30,6 +30,8 @@ Observer = Callable[[Record], bool]
 #: Contact unknowns of a body up to which "auto" factors the coupled system, or as many in more bodies as make no more
 #: entries: those of one body are all coupled, those of different ones only across their contacts.
 LARGEST_DIRECT = 6000
+#: Where the slope of the energy is less than this part of the layers' work, differences of that work are too rough.
+CANCELLED = 1e-8
 #: What a measure has to fall to for the run to have come closer.
 PROGRESS = 0.99
 
@@ -268,24 +270,25 @@ class Run:
     def _search(self, corrections: Sequence[Floats], residuals: Sequence[Floats]) -> float:
         """γ^k that minimises F₁ along the corrections.
 
-        The slope is written with divided differences, so that nothing cancels near the minimum.
+        The slope takes the growth of the layers' work; near the minimum, where that cancels, by divided differences.
         """
         descent = sum(float(r @ delta) for r, delta in zip(residuals, corrections, strict=True))
         parts = [p.deformation(delta) for p, delta in zip(self.problems, corrections, strict=True)]
         elastic = sum(float(e @ (p.stiffness @ e)) for p, e in zip(self.problems, parts, strict=True))
         moves = self.scene.closing(self.problems, corrections)
         contacts = [
-            (interface.contact.layer, z, move, interface.weights * move**2)
+            (interface.contact.layer, z, move, interface.weights * move)
             for interface, z, move in zip(self.scene.interfaces, self.state.gaps, moves, strict=True)
         ]
+        works = np.concatenate([weighted * layer.contact_stress(z) for layer, z, _, weighted in contacts])
+        work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
 
-        def slope(t: float) -> float:
-            if t == 0.0:
-                return -descent
-            layers = sum(float(w @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
-            return t * (elastic + layers) - descent
+        def growth(t: float) -> float:
+            if cancels:
+                return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
+            return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
 
-        return minimise_along(slope)
+        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
 
     def _change(self, steps: Sequence[Floats]) -> float:
         """The largest relative change of a body's u_n; to be asked after the move."""

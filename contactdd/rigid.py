@@ -84,10 +84,11 @@ class RigidMotions:
             return np.zeros((0, 0))
         roots = [contact.root(phi) for contact in self.contacts]
         held = self.elastic + sum(root.T @ root for root in roots)
-        # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
-        limit = 1e-14 * max(self.largest, float(np.abs(held).max()))
-        if not np.any(held):
+        most = float(np.abs(held).max())
+        if most == 0.0:
             return np.eye(count)
+        # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
+        limit = 1e-14 * max(self.largest, most)
         # Mostly the contacts hold all that they ever could.
         if _smallest(held + self.largest * (self._idle @ self._idle.T)) > limit:
             return self._idle
