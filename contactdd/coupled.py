@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
@@ -18,6 +19,9 @@ Floats = NDArray[np.float64]
 
 #: Unknowns up to which one dense Cholesky factorisation beats a sparse one of the same blocks.
 LARGEST_DENSE = 600
+#: Products, points times unknowns squared, up to which a contact's term is a product of full matrices: finding out
+#: where its entries are would take as long as some ten such products.
+LARGEST_PRODUCT = 4_000_000
 
 
 class CoupledSystem:
@@ -30,9 +34,11 @@ class CoupledSystem:
         self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], *, factored: bool = True
     ) -> None:
         self._problems, self._interfaces = problems, interfaces
-        self._ends = np.cumsum([problem.size for problem in problems])
+        ends = list(itertools.accumulate(problem.size for problem in problems))
+        self._parts = [slice(end - problem.size, end) for problem, end in zip(problems, ends, strict=True)]
+        self._size = ends[-1]
         condensed = all(isinstance(problem.stiffness, np.ndarray) for problem in problems)
-        self._dense = condensed and self._ends[-1] <= LARGEST_DENSE
+        self._dense = condensed and self._size <= LARGEST_DENSE
         if factored:
             blocks = [problem.stiffness for problem in problems]
             if self._dense:
@@ -53,12 +59,18 @@ class CoupledSystem:
         rhs = np.concatenate(residuals)
         ground = self.rigid.ground(phi, rhs, scale)
         correction = (self._solve_dense if self._dense else self._solve_sparse)(phi, rhs, ground)
-        return np.split(correction, self._ends[:-1])
+        return [correction[part] for part in self._parts]
 
     def _solve_dense(self, phi: Mapping[int, Floats], rhs: Floats, ground: NDArray[np.intp]) -> Floats:
-        matrix = self._stiffness.copy()
-        for index, (places, weights) in enumerate(self._maps):
-            matrix.ravel()[places] += weights @ phi[index]
+        # BLAS and LAPACK count by columns and need one triangle only.
+        matrix = self._stiffness.copy().T
+        for index, interface in enumerate(self._interfaces):
+            if index in self._maps:
+                places, entries = self._maps[index]
+                matrix.T.ravel()[places] += entries @ phi[index]
+            else:
+                root = np.sqrt(interface.weights * phi[index])[:, None] * self._sums[index]
+                matrix = scipy.linalg.blas.dsyrk(1.0, root.T, beta=1.0, c=matrix, overwrite_c=True)
         matrix[ground, ground] += self.rigid.largest
         _, solution, info = scipy.linalg.lapack.dposv(matrix, rhs, overwrite_a=True)
         if info != 0:
@@ -74,23 +86,32 @@ class CoupledSystem:
         return Factor(matrix.tocsr()).solve(rhs)
 
     @cached_property
-    def _maps(self) -> list[tuple[NDArray[np.intp], scipy.sparse.csr_matrix]]:
-        """Where the contacts' terms stand in the dense matrix, and the operators from φ to their entries."""
-        return [product_map(total, i.weights) for total, i in zip(self._sums, self._interfaces, strict=True)]
+    def _maps(self) -> dict[int, tuple[NDArray[np.intp], scipy.sparse.csr_matrix]]:
+        """Where the terms of contacts with sparse traces stand in the dense matrix, and from φ to their entries."""
+        return {
+            index: product_map(total, self._interfaces[index].weights)
+            for index, total in enumerate(self._sums)
+            if not isinstance(total, np.ndarray)
+        }
 
     def apply(self, phi: Mapping[int, Floats], unknowns: Floats) -> Floats:
         """The system times a vector."""
-        parts = np.split(unknowns, self._ends[:-1])
-        result = np.concatenate([p.stiffness @ p.deformation(y) for p, y in zip(self._problems, parts, strict=True)])
+        parts = zip(self._problems, self._parts, strict=True)
+        result = np.concatenate([p.stiffness @ p.deformation(unknowns[part]) for p, part in parts])
         for index, total in enumerate(self._sums):
             result += total.T @ (self._interfaces[index].weights * phi[index] * (total @ unknowns))
         return result
 
-    def _sum_of_traces(self, index: int) -> scipy.sparse.csr_matrix:
-        """The operator from all unknowns to u_αn + u_βn at the points of an interface."""
+    def _sum_of_traces(self, index: int) -> Floats | scipy.sparse.csr_matrix:
+        """The operator from all unknowns to u_αn + u_βn at the points of an interface; a full matrix where small."""
         points = len(self._interfaces[index].weights)
-        blocks = []
-        for problem in self._problems:
-            traces = [port.trace for port in problem.ports if port.interface == index]
-            blocks.append(sum(traces[1:], traces[0]) if traces else scipy.sparse.csr_matrix((points, problem.size)))
+        ports = [(place, port) for place, p in enumerate(self._problems) for port in p.ports if port.interface == index]
+        if self._dense and points * self._size**2 <= LARGEST_PRODUCT:
+            total = np.zeros((points, self._size))
+            for place, port in ports:
+                total[:, self._parts[place]] += port.trace
+            return total
+        blocks = [scipy.sparse.csr_matrix((points, problem.size)) for problem in self._problems]
+        for place, port in ports:
+            blocks[place] = scipy.sparse.csr_matrix(port.trace)
         return scipy.sparse.hstack(blocks, format="csr")

@@ -13,8 +13,7 @@ import scipy
 from numpy.typing import NDArray
 
 from .errors import LooseBodyError
-from .interface import Interface
-from .rigid import joint_motions
+from .rigid import RigidMotions
 from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
@@ -23,9 +22,11 @@ Floats = NDArray[np.float64]
 BALANCED = 1e-9
 
 
-def escape(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> LooseBodyError | None:
-    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion."""
-    motions = joint_motions(problems, interfaces)
+def escape(problems: Sequence[Subproblem], motions: RigidMotions) -> LooseBodyError | None:
+    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion.
+
+    motions: the free rigid motions of all bodies together.
+    """
     count = motions.modes.shape[1]
     if count == 0:
         return None

@@ -19,7 +19,7 @@ from .errors import MeshMismatchError
 from .field import evaluate
 from .quadrature import Rule, rule
 from .trace import FacetPoints, facet_corners, facet_points, facet_type, normal_trace
-from .transfer import Partners, by_segments, matching
+from .transfer import Partners, by_segments, matching_facets, matching_values
 
 Floats = NDArray[np.float64]
 
@@ -45,14 +45,11 @@ class ContactSurface:
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
 
-    def spread(self, order: NDArray[np.intp] | None = None) -> scipy.sparse.csr_matrix:
+    def spread(self, order: NDArray[np.intp] | None = None) -> Spread:
         """To the integration points from the values, or from values whose `order` tells where each of these stands."""
-        points, per_value = len(self.weights), self.per_facet if self.rule.name == "facet" else 1
-        values = np.arange(points) // per_value
-        columns = values if order is None else order[values]
-        return scipy.sparse.csr_matrix(
-            (np.ones(points), columns, np.arange(points + 1)), shape=(points, points // per_value)
-        )
+        per_value = self.per_facet if self.rule.name == "facet" else 1
+        values = np.arange(len(self.weights)) // per_value
+        return Spread(values if order is None else order[values], len(values) // per_value)
 
     @cached_property
     def value_weights(self) -> Floats:
@@ -64,7 +61,9 @@ class ContactSurface:
         """From the integration points to the values: the mean over what belongs to each; None where they are one."""
         if self.rule.name != "facet":
             return None
-        return scipy.sparse.diags(1.0 / self.value_weights) @ self.spread().T @ scipy.sparse.diags(self.weights)
+        parts = (self.weights.reshape(-1, self.per_facet) / self.value_weights[:, None]).ravel()
+        ends = np.arange(0, len(parts) + 1, self.per_facet)
+        return scipy.sparse.csr_matrix((parts, np.arange(len(parts)), ends), shape=(len(ends) - 1, len(parts)))
 
     def mean(self, rows: Any) -> Any:
         """The rows (integration points, n) of an array or a sparse matrix, averaged to the values."""
@@ -151,6 +150,21 @@ def _value_dofs(surface: ContactSurface, space: fem.FunctionSpace, parents: NDAr
 
 
 @dataclass(frozen=True)
+class Spread:
+    """The operator to points, each of which takes the value at its place (points,) among as many values as `size`."""
+
+    places: NDArray[np.intp]
+    size: int
+
+    def __matmul__(self, values: Floats) -> Floats:
+        return values[self.places]
+
+    def __rmatmul__(self, matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
+        entries = (matrix.data, self.places[matrix.indices], matrix.indptr)
+        return scipy.sparse.csr_matrix(entries, shape=(matrix.shape[0], self.size))
+
+
+@dataclass(frozen=True)
 class Side:
     """A body seen from the n points of an interface.
 
@@ -161,7 +175,7 @@ class Side:
     body: int
     surface: ContactSurface
     trace: scipy.sparse.csr_matrix
-    transfer: scipy.sparse.csr_matrix
+    transfer: Spread | scipy.sparse.csr_matrix
 
 
 @dataclass(frozen=True)
@@ -183,7 +197,8 @@ class Interface:
 
     x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
     the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; unmatched:
-    the area of either surface that has no partner. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    the area of either surface that has no partner; facets: on meshes that match, the second surface's opposite each of
+    the first's. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -195,6 +210,7 @@ class Interface:
     given: GivenGap
     sides: tuple[Side, Side]
     unmatched: tuple[float, float] = (0.0, 0.0)
+    facets: NDArray[np.intp] | None = None
 
     @cached_property
     def gap(self) -> Floats:
@@ -214,25 +230,35 @@ def without_rounding(distance: Floats, size: float) -> Floats:
     return np.where(np.abs(distance) <= 1e-13 * size, 0.0, distance)
 
 
-def discretise(contact: Contact, bodies: tuple[int, int]) -> Interface:
-    """The interface of a contact between the bodies at the given places of a scene."""
+def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None) -> Interface:
+    """The interface of a contact between the bodies at the given places of a scene.
+
+    facets: the second surface's opposite each of the first's, where they are known to match.
+    """
     degree = max(body.degree for body, _ in contact.sides)
     quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
     first, second = (ContactSurface(body, surface, quadrature) for body, surface in contact.sides)
     reach = contact.search_distance or min(first.body.mesh.size, second.body.mesh.size)
-    partner = matching(first, second, reach)
+    if facets is None:
+        facets = matching_facets(first, second, reach)
+    partner = None if facets is None else matching_values(first, second, facets)
     if partner is None:
         return _on_segments(contact, bodies, first, second, reach)
     x, normal = first.mean(first.points.x), first.mean(first.points.normal)
-    distance = np.sum((second.mean(second.points.x)[partner] - x) * normal, axis=1)
+    distance = np.einsum("ij,ij->i", second.mean(second.points.x)[partner] - x, normal)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
     given = GivenGap(first.points.x, first.average)
     shape = given.at(contact.gap)
     sides = (
         Side(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
-        Side(bodies[1], second, second.mean(second.trace).tocsr()[partner], second.spread(np.argsort(partner))),
+        Side(bodies[1], second, _rows(second.mean(second.trace).tocsr(), partner), second.spread(np.argsort(partner))),
     )
-    return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides)
+    return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides, facets=facets)
+
+
+def _rows(matrix: scipy.sparse.csr_matrix, order: NDArray[np.intp]) -> scipy.sparse.csr_matrix:
+    """The rows of a matrix in an order, which mostly they have already: the meshes were made alike."""
+    return matrix if np.array_equal(order, np.arange(len(order))) else matrix[order]
 
 
 def _on_segments(

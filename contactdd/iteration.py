@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,8 @@ Observer = Callable[[Record], bool]
 #: Contact unknowns of a body up to which "auto" factors the coupled system, or as many in more bodies as make no more
 #: entries: those of one body are all coupled, those of different ones only across their contacts.
 LARGEST_DIRECT = 6000
+#: Where the slope of the energy is less than this part of the layers' work, differences of that work are too rough.
+CANCELLED = 1e-8
 #: What a measure has to fall to for the run to have come closer.
 PROGRESS = 0.99
 
@@ -96,8 +100,9 @@ class Run:
             self.anderson.memory = memory
         self.linear, self._note = _step(scheme, problems, scene)
         self._points = [interface.x.T for interface in scene.interfaces]
-        self._size = max(float(np.ptp(body.mesh.domain.geometry.x, axis=0).max()) for body in scene.bodies)
-        self._stiffest = max(problem.rigid.largest for problem in problems)
+        self._size = max(body.mesh.size for body in scene.bodies)
+        stiffest = max(problem.rigid.largest for problem in problems)  # and the φ that is as stiff as that
+        self._stiffest = [stiffest / interface.weights for interface in scene.interfaces]
         self._first_force = 0.0
         self._at_nodes = False
         self._began = time.process_time()
@@ -165,7 +170,7 @@ class Run:
         else:
             steps, restart = self._accelerated(corrections, residuals, length, energy)
             note = ", ".join(filter(None, (note, restart)))
-        contact = sum(float(i.weights[z < 0].sum()) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
+        contact = sum(float(i.weights @ (z < 0)) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
         self.state = self._moved(self.scene.ranks.agree(steps))
         return Record(
             iteration=k,
@@ -188,7 +193,7 @@ class Run:
             z, before, x = state.gaps[index], state.previous_gaps[index], self._points[index]
             values = self.scheme.coefficient(interface.contact.layer, z, before, x)
             # A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
-            phi[index] = np.minimum(values, 1e8 * self._stiffest / interface.weights)
+            phi[index] = np.minimum(values, 1e8 * self._stiffest[index])
         return phi
 
     def _corrections(
@@ -202,10 +207,15 @@ class Run:
         try:
             return self.linear.correct(phi, residuals, scale), phi, ""
         except LooseBodyError:
-            if not survive or escape(self.problems, self.scene.interfaces) is not None:
+            if not survive or self._escape is not None:
                 raise
         phi = self._softened(phi, residuals)
         return self.linear.correct(phi, residuals, scale), phi, "open: held by a soft Robin term"
+
+    @cached_property
+    def _escape(self) -> LooseBodyError | None:
+        """What moves for ever where there is no equilibrium."""
+        return escape(self.problems, self.linear.rigid)
 
     def _softened(self, phi: dict[int, Floats], residuals: list[Floats]) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
@@ -218,8 +228,7 @@ class Run:
         gap = max(float(np.abs(z).max()) for z in self.state.gaps)
         soft = forces / area / (gap if gap > 1e-12 * self._size else self._size)  # coordinates are no better than that
         soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
-        limits = [self._stiffest / interface.weights for interface in self.scene.interfaces]
-        return {index: np.maximum(values, np.minimum(soft, limits[index])) for index, values in phi.items()}
+        return {index: np.maximum(values, np.minimum(soft, self._stiffest[index])) for index, values in phi.items()}
 
     def _accelerated(
         self, corrections: list[Floats], residuals: list[Floats], gamma: float, energy: float
@@ -261,37 +270,38 @@ class Run:
     def _search(self, corrections: Sequence[Floats], residuals: Sequence[Floats]) -> float:
         """γ^k that minimises F₁ along the corrections.
 
-        The slope is written with divided differences, so that nothing cancels near the minimum.
+        The slope takes the growth of the layers' work; near the minimum, where that cancels, by divided differences.
         """
         descent = sum(float(r @ delta) for r, delta in zip(residuals, corrections, strict=True))
         parts = [p.deformation(delta) for p, delta in zip(self.problems, corrections, strict=True)]
         elastic = sum(float(e @ (p.stiffness @ e)) for p, e in zip(self.problems, parts, strict=True))
         moves = self.scene.closing(self.problems, corrections)
         contacts = [
-            (interface.contact.layer, z, move, interface.weights * move**2)
+            (interface.contact.layer, z, move, interface.weights * move)
             for interface, z, move in zip(self.scene.interfaces, self.state.gaps, moves, strict=True)
         ]
+        works = np.concatenate([weighted * layer.contact_stress(z) for layer, z, _, weighted in contacts])
+        work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
 
-        def slope(t: float) -> float:
-            if t == 0.0:
-                return -descent
-            layers = sum(float(w @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
-            return t * (elastic + layers) - descent
+        def growth(t: float) -> float:
+            if cancels:
+                return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
+            return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
 
-        return minimise_along(slope)
+        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
 
     def _change(self, steps: Sequence[Floats]) -> float:
         """The largest relative change of a body's u_n; to be asked after the move."""
         largest = 0.0
         for problem, step, y in zip(self.problems, steps, self.state.unknowns, strict=True):
-            moved, size = (np.linalg.norm(u_n) for u_n in problem.normal_displacements(step, y, self._at_nodes))
-            largest = max(largest, float(moved / size) if size > 0.0 else float(moved > 0.0))
+            moved, size = (norm([u_n]) for u_n in problem.normal_displacements(step, y, self._at_nodes))
+            largest = max(largest, moved / size if size > 0.0 else float(moved > 0.0))
         return largest
 
     def _bounded(self) -> bool:
         """Whether the displacements are finite and not absurd."""
         return all(
-            bool(np.all(np.isfinite(z))) and float(np.abs(z - interface.gap).max()) < 100 * self._size
+            bool(np.abs(z - interface.gap).max() < 100 * self._size)  # false also of what is not a number
             for z, interface in zip(self.state.gaps, self.scene.interfaces, strict=True)
         )
 
@@ -307,19 +317,19 @@ class Run:
 
     def _ending(self, status: str, reason: str) -> Ending:
         """The end of a run for this reason, unless there is a deeper one: no equilibrium."""
-        way = escape(self.problems, self.scene.interfaces)
+        way = self._escape
         return Ending(status, reason) if way is None else Ending("no equilibrium", str(way), way)
 
 
 def norm(vectors: Sequence[Floats]) -> float:
     """The Euclidean norm of several vectors together."""
-    return float(np.sqrt(sum(float(v @ v) for v in vectors)))
+    return math.sqrt(sum(float(v @ v) for v in vectors))
 
 
 def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple[Step, str]:
     """The kind of linear problem that the scheme asks for, and why it was chosen where the scheme leaves it open."""
     if scheme.step == "apart":
-        return Apart(problems, scene.ranks), ""
+        return Apart(problems, scene.interfaces, scene.ranks), ""
     unknowns = sum(problem.size for problem in problems)
     entries = sum(problem.size**2 for problem in problems)
     small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridSubproblem) for p in problems)

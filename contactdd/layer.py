@@ -80,13 +80,15 @@ class Layer(ABC):
         Free of cancellation: as y → z it tends to χ g'(z), which is also the value at y = z. Symmetric
         to the last bit. `y` and `z` broadcast.
         """
-        y, z = np.broadcast_arrays(np.asarray(y, dtype=float), np.asarray(z, dtype=float))
+        y, z = np.asarray(y, dtype=float), np.asarray(z, dtype=float)
         low, high = np.minimum(y, z), np.maximum(y, z)
-        both_closed = ~(high >= 0)  # so written, NaN counts as closed and is handed on
-        across = (low < 0) & (high >= 0)
+        open_ = high >= 0
+        both_closed, across = ~open_, open_ & (low < 0)  # so written, NaN counts as closed and is handed on
         quotient = np.zeros(low.shape)
-        quotient[both_closed] = self._secant(-low[both_closed], -high[both_closed])
-        quotient[across] = self._pressure(-low[across]) / (high[across] - low[across])
+        if both_closed.any():
+            quotient[both_closed] = self._secant(-low[both_closed], -high[both_closed])
+        if across.any():
+            quotient[across] = self._pressure(-low[across]) / (high[across] - low[across])
         return quotient
 
     def compression(self, stress: ArrayLike) -> Array:
@@ -139,12 +141,11 @@ class PowerLayer(Layer):
     def _secant(self, deep: Array, shallow: Array) -> Array:
         # With r = shallow/deep the quotient is p(deep)/deep · (1 - r^(1/a)) / (1 - r). Near r = 1 log r
         # comes from 1 - r, which subtracts without rounding; near r = 0 from r, which 1 - r has forgotten.
-        ratio, drop = shallow / deep, (deep - shallow) / deep
+        # The least drop that there is, 1e-30, leaves the quotient its limit 1/a at r = 1.
+        ratio, drop = shallow / deep, np.maximum((deep - shallow) / deep, 1e-30)
         with np.errstate(divide="ignore"):  # log 0 = -inf is right: a ratio that underflowed
             log_ratio = np.where(ratio < 0.5, np.log(ratio), np.log1p(-drop))
-        relative = np.full(deep.shape, 1 / self.a)
-        np.divide(-np.expm1(log_ratio / self.a), drop, out=relative, where=drop != 0)
-        return self._pressure(deep) / deep * relative
+        return self._pressure(deep) / deep * (-np.expm1(log_ratio / self.a) / drop)
 
     def _energy(self, c: Array) -> Array:
         return self.a / (self.a + 1) * c * self._pressure(c)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
 
 import scipy
 
@@ -16,14 +15,17 @@ def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) ->
 
     slope: dF₁/dt, which never decreases and is negative at 0. The largest step tried is returned if it stays negative.
     """
-    slope = cache(slope)
-    if slope(0.0) >= 0.0:  # at the minimum to rounding
+    start, upper = slope(0.0), 1.0
+    if start >= 0.0:  # at the minimum to rounding
         return 1.0
-    if abs(slope(1.0)) <= ACCURACY * abs(slope(0.0)):  # Newton's step, as always near the end
+    end = slope(upper)
+    if abs(end) <= ACCURACY * abs(start):  # Newton's step, as always near the end
         return 1.0
-    upper = 1.0
-    while slope(upper) < 0.0:
+    while end < 0.0:
         if upper >= largest:
             return upper
         upper *= 2.0
-    return float(scipy.optimize.brentq(slope, 0.0, upper, xtol=1e-12, rtol=ACCURACY))
+        end = slope(upper)
+    known = {0.0: start, upper: end}  # brentq asks for them again
+    found = scipy.optimize.brentq(lambda t: known[t] if t in known else slope(t), 0.0, upper, xtol=1e-12, rtol=ACCURACY)
+    return float(found)

@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import basix
@@ -32,8 +33,7 @@ class Rule:
         if self.name == "vertex":
             vertices = np.asarray(basix.geometry(facet))
             return vertices, np.full(len(vertices), basix.cell.volume(facet) / len(vertices))
-        points, weights = basix.make_quadrature(facet, self.degree)
-        return points, weights
+        return _gauss(facet, self.degree)
 
     def element(self, cell_name: str) -> Any:
         """The element on the facet submesh in which the Robin coefficient φ lives."""
@@ -47,6 +47,14 @@ class Rule:
         if self.name == "vertex":
             return {"quadrature_rule": "vertex", "quadrature_degree": 1}
         return {"quadrature_rule": "default", "quadrature_degree": self.degree}
+
+
+@cache
+def _gauss(facet: basix.CellType, degree: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    points, weights = basix.make_quadrature(facet, degree)
+    points.setflags(write=False)  # they are everybody's
+    weights.setflags(write=False)
+    return points, weights
 
 
 def rule(name: str, element_degree: int, degree: int | None = None) -> Rule:

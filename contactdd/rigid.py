@@ -19,7 +19,7 @@ from .errors import LooseBodyError
 from .kinematics import Kinematics
 
 if TYPE_CHECKING:
-    from .interface import Interface
+    from .interface import Interface, Spread
     from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
@@ -34,7 +34,7 @@ class Resistance:
 
     interface: int
     rows: Floats
-    transfer: scipy.sparse.csr_matrix | None = None
+    transfer: Spread | scipy.sparse.csr_matrix | None = None
 
     def root(self, phi: Mapping[int, Floats]) -> Floats:
         """R of the stiffness RᵀR, (points, motions)."""
@@ -72,7 +72,7 @@ class RigidMotions:
         elastic = self.modes.T @ self.springs
         return 0.5 * (elastic + elastic.T)
 
-    @property
+    @cached_property
     def floating(self) -> bool:
         """Whether there are free motions and no spring resists any of them."""
         return self.modes.shape[1] > 0 and not np.any(self.springs)
@@ -84,16 +84,25 @@ class RigidMotions:
             return np.zeros((0, 0))
         roots = [contact.root(phi) for contact in self.contacts]
         held = self.elastic + sum(root.T @ root for root in roots)
+        most = float(np.abs(held).max())
+        if most == 0.0:
+            return np.eye(count)
         # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
-        limit = 1e-14 * max(self.largest, float(np.abs(held).max()))
-        values = held[0] if count == 1 else np.linalg.eigvalsh(held)
-        if values[0] > limit:
-            return np.zeros((count, 0))
+        limit = 1e-14 * max(self.largest, most)
+        # Mostly the contacts hold all that they ever could.
+        if _smallest(held + self.largest * (self._idle @ self._idle.T)) > limit:
+            return self._idle
         # The roots give the free motions; their squares would mix in held ones by the rounding of the stiffest layer.
         springs, directions = np.linalg.eigh(self.elastic)
         roots.append(np.sqrt(np.maximum(springs, 0.0))[:, None] * directions.T)
         _, singular, motions = np.linalg.svd(np.linalg.qr(np.vstack(roots), mode="r"))
         return motions[singular**2 <= limit].T
+
+    @cached_property
+    def _idle(self) -> Floats:
+        """The neutral motions, (motions, idle); none if springs that are soft enough for these hold any of them."""
+        answer = self.neutral.T @ self.elastic @ self.neutral
+        return self.neutral[:, : 0 if np.any(np.abs(answer) > 1e-14 * self.largest) else None]
 
     @cached_property
     def neutral(self) -> Floats:
@@ -132,26 +141,37 @@ class RigidMotions:
 
 def joint_motions(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> RigidMotions:
     """The free rigid motions of all bodies together; a contact resists those that change its gap."""
-    sizes = np.cumsum([0] + [problem.rigid.modes.shape[1] for problem in problems])
-    closing = [np.zeros((len(interface.weights), sizes[-1])) for interface in interfaces]
-    for place, problem in enumerate(problems):
+    count = sum(problem.rigid.modes.shape[1] for problem in problems)
+    closing = [np.zeros((len(interface.weights), count)) for interface in interfaces]
+    modes = np.zeros((sum(problem.size for problem in problems), count))
+    springs = np.zeros_like(modes)
+    row = column = 0
+    for problem in problems:
+        rows, columns = slice(row, row + problem.size), slice(column, column + problem.rigid.modes.shape[1])
+        modes[rows, columns], springs[rows, columns] = problem.rigid.modes, problem.rigid.springs
         for port in problem.ports:
-            closing[port.interface][:, sizes[place] : sizes[place + 1]] += port.trace @ problem.rigid.modes
+            closing[port.interface][:, columns] += port.trace @ problem.rigid.modes
+        row, column = rows.stop, columns.stop
     contacts = [
         Resistance(index, np.sqrt(interface.weights)[:, None] * rows)
         for index, (interface, rows) in enumerate(zip(interfaces, closing, strict=True))
     ]
-    modes = scipy.linalg.block_diag(*(problem.rigid.modes for problem in problems))
-    springs = scipy.linalg.block_diag(*(problem.rigid.springs for problem in problems))
     largest = max(problem.rigid.largest for problem in problems)
     owners = [owner for problem in problems for owner in problem.rigid.owners]
     return RigidMotions(modes, springs, contacts, owners, largest)
+
+
+def _smallest(matrix: Floats) -> float:
+    """The smallest eigenvalue of a symmetric matrix."""
+    return float(matrix[0, 0] if len(matrix) == 1 else np.linalg.eigvalsh(matrix)[0])
 
 
 def pivots(motions: Floats) -> NDArray[np.intp]:
     """As many unknowns as there are motions (unknowns, motions), such that holding them stops every motion."""
     if motions.shape[1] == 0:
         return np.zeros(0, dtype=np.intp)
+    if motions.shape[1] == 1:
+        return np.abs(motions[:, 0]).argmax()[None]
     return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: motions.shape[1]]
 
 

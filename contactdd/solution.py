@@ -119,7 +119,7 @@ class Solution:
         index = self._contact_index(contact)
         interface, gaps = self._interfaces[index], self._state.gaps[index]
         if degree is not None:
-            interface = self._resampled(index, degree)
+            interface = _resampled(interface, degree)
             gaps = interface.gap.copy()
             for side in interface.sides:
                 seen = self._problems[side.body].seen(self._state.unknowns[side.body], side.trace)
@@ -272,11 +272,6 @@ class Solution:
             total += port.side.trace.T @ tractions[port.interface]
         return total
 
-    def _resampled(self, index: int, degree: int) -> Interface:
-        """The contact at Gauss points of another degree."""
-        contact, places = self._interfaces[index].contact, [side.body for side in self._interfaces[index].sides]
-        return discretise(contact.resampled(degree), (places[0], places[1]))
-
     def _place(self, body: str | Body) -> int:
         for place, other in enumerate(self.scene.bodies):
             if other is body or other.name == body:
@@ -289,3 +284,9 @@ class Solution:
                 return index
         known = ", ".join(repr(other.name) for other in self.scene.contacts)
         raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
+
+
+def _resampled(interface: Interface, degree: int) -> Interface:
+    """The same contact at Gauss points of another degree."""
+    first, second = interface.sides
+    return discretise(interface.contact.resampled(degree), (first.body, second.body), interface.facets)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from .coupled import CoupledSystem
 from .interface import Interface
 from .ranks import Ranks
+from .rigid import RigidMotions, joint_motions
 from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
@@ -21,9 +22,15 @@ Phi = Mapping[int, Floats]
 
 
 class Step(Protocol):
-    """One kind of linear problem. body_solves: how many solves of single bodies there have been."""
+    """One kind of linear problem.
+
+    body_solves: how many solves of single bodies there have been; rigid: the free rigid motions of all bodies together.
+    """
 
     body_solves: int
+
+    @property
+    def rigid(self) -> RigidMotions: ...
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
         """The correction of every body's unknowns.
@@ -37,9 +44,13 @@ class Step(Protocol):
 class Apart:
     """Every body on its own, eq. (22): nothing but φ and g⁻ at the contacts passes between them."""
 
-    def __init__(self, problems: Sequence[Subproblem], ranks: Ranks) -> None:
-        self._problems, self._ranks = problems, ranks
+    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], ranks: Ranks) -> None:
+        self._problems, self._interfaces, self._ranks = problems, interfaces, ranks
         self.body_solves = 0
+
+    @property
+    def rigid(self) -> RigidMotions:
+        return joint_motions(self._problems, self._interfaces)
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
         corrections = self._ranks.each(lambda place: self._problems[place].correct(phi, residuals[place], scale))
@@ -52,6 +63,7 @@ class Direct:
 
     def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
         self._system = CoupledSystem(problems, interfaces)
+        self.rigid = self._system.rigid
         self._bodies = len(problems)
         self.body_solves = 0
 
@@ -76,11 +88,12 @@ class Krylov:
     def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], ranks: Ranks) -> None:
         self._problems, self._ranks = problems, ranks
         self._system = CoupledSystem(problems, interfaces, factored=False)
+        self.rigid = self._system.rigid
         self._ends = np.cumsum([problem.size for problem in problems])
         self.body_solves = 0
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
-        rhs, rigid = np.concatenate(residuals), self._system.rigid
+        rhs, rigid = np.concatenate(residuals), self.rigid
         rigid.ground(phi, rhs, scale)  # only its check
         # Rounding alone works on the motions that nothing resists: out of the forces with it, and out of the steps.
         idle = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]

@@ -69,28 +69,40 @@ class Partners:
         return np.bincount(self.facets[side], self.weights / slope, count)
 
 
-def matching(first: ContactSurface, second: ContactSurface, reach: float) -> Indices | None:
-    """The second surface's value that lies opposite each of the first's, or None if the meshes do not match there."""
+def matching_facets(first: ContactSurface, second: ContactSurface, reach: float) -> Indices | None:
+    """The second surface's facet that lies opposite each of the first's, or None if the meshes do not match there."""
     dim, n = first.body.mesh.dim, len(first.facets)
     if len(second.facets) != n or first.corners.shape != second.corners.shape:
         return None
-    middles = [side.points.x.reshape(n, -1, dim).mean(axis=1) for side in (first, second)]
-    distance, facet = scipy.spatial.cKDTree(middles[1]).query(middles[0])
+    middles = [side.points.x.reshape(n, -1, dim).sum(axis=1) / side.per_facet for side in (first, second)]
+    distance, facet = _nearest(*middles)
     if len(np.unique(facet)) != n or distance.max() > reach:
         return None
     normal = first.points.normal.reshape(n, -1, dim)
-    if np.any(np.sum(normal * second.points.normal.reshape(n, -1, dim)[facet], axis=2) > -np.cos(FACING)):
+    if np.any(_along(normal, second.points.normal.reshape(n, -1, dim)[facet]) > -np.cos(FACING)):
         return None
-    size = np.sqrt(first.areas.reshape(n, -1).sum(axis=1).max()) if dim == 3 else first.areas.sum() / n
-    if _offsets(first.corners, second.corners[facet], normal[:, :1]).min(axis=2).max() > 1e-6 * size:
-        return None
+    offsets = _offsets(first.corners, second.corners[facet], normal[:, :1])
+    return facet if offsets.min(axis=2).max() <= _tolerance(first) else None
+
+
+def matching_values(first: ContactSurface, second: ContactSurface, facet: Indices) -> Indices | None:
+    """The second surface's value that lies opposite each of the first's, on facets that do, or None if one has none."""
     if first.rule.name == "facet":
         return facet
-    here, there = (side.points.x.reshape(n, -1, dim) for side in (first, second))
+    dim, n = first.body.mesh.dim, len(first.facets)
+    here, there, normal = (part.reshape(n, -1, dim) for part in (first.points.x, second.points.x, first.points.normal))
     offsets = _offsets(here, there[facet], normal)
-    if offsets.min(axis=2).max() > 1e-6 * size:
+    if offsets.min(axis=2).max() > _tolerance(first):
         return None
-    return (facet[:, None] * first.per_facet + np.argmin(offsets, axis=2)).ravel()
+    return (facet[:, None] * first.per_facet + offsets.argmin(axis=2)).ravel()
+
+
+def _tolerance(surface: ContactSurface) -> float:
+    """What the facets of meshes that match may be shifted by: a millionth of their size."""
+    n = len(surface.facets)
+    if surface.body.mesh.dim == 2:
+        return 1e-6 * surface.areas.sum() / n
+    return 1e-6 * np.sqrt(surface.areas.reshape(n, -1).sum(axis=1).max())
 
 
 def by_segments(contact: Contact, first: ContactSurface, second: ContactSurface, reach: float) -> Partners:
@@ -179,7 +191,22 @@ def _offsets(here: Floats, there: Floats, normal: Floats) -> Floats:
     On meshes that match only the offset across the contact may differ: points are compared within the facets' planes.
     """
     offset, normal = here[:, :, None] - there[:, None], normal[:, :, None]
-    return np.linalg.norm(offset - np.sum(offset * normal, axis=-1, keepdims=True) * normal, axis=-1)
+    across = offset - _along(offset, normal)[..., None] * normal
+    return np.sqrt(_along(across, across))
+
+
+def _along(a: Floats, b: Floats) -> Floats:
+    """The scalar products of vectors (..., dim) that broadcast."""
+    return np.einsum("...i,...i->...", a, b)
+
+
+def _nearest(points: Floats, others: Floats) -> tuple[Floats, Indices]:
+    """How far the nearest of the others (m, dim) is from each of the points (n, dim), and which one it is."""
+    if len(points) * len(others) > 10_000:
+        return scipy.spatial.cKDTree(others).query(points)
+    offset = points[:, None] - others
+    square = _along(offset, offset)
+    return np.sqrt(square.min(axis=1)), square.argmin(axis=1)
 
 
 def _why_none(contact: Contact, first: ContactSurface, second: ContactSurface, reach: float) -> str:

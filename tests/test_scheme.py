@@ -95,6 +95,17 @@ def test_searched_gamma_never_raises_the_energy():
         assert np.all(np.diff(energy) <= 1e-13 * np.abs(energy).max())  # rounding of the energy's parts
 
 
+@pytest.mark.parametrize("method", ["newton", "newton-chord"])
+def test_searched_gamma_is_the_same_by_differences_and_by_divided_differences(paper_scene, method, monkeypatch):
+    """Differences of the layers' work, where they do not cancel, and divided differences give one slope."""
+    histories = []
+    for cancelled in (0.0, np.inf):
+        monkeypatch.setattr("contactdd.iteration.CANCELLED", cancelled)
+        histories.append(cd.solve(paper_scene, method, tolerance=1e-6).history)
+    assert histories[0].gamma == pytest.approx(histories[1].gamma, rel=1e-6)
+    assert histories[0].energy == pytest.approx(histories[1].energy, rel=1e-12)
+
+
 def test_warm_start_needs_no_iteration(paper_scene):
     first = cd.solve(paper_scene, "newton", gamma="search", tolerance=1e-10)
     again = cd.solve(paper_scene, "chord", gamma=0.6, tolerance=1e-9, start=first)
