@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 #: Entries up to which a dense product is faster than a sparse one.
-SMALL = 0
+SMALL = 2**14
 
 
 @dataclass(frozen=True)
@@ -376,11 +376,12 @@ class CondensedSubproblem(Subproblem):
         return super().restrict(u)[self.kept]
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
-        rows, values = [], []
-        for port in self.ports:
-            rows.append(port.trace)
-            values.append(normal_displacement[port.interface] - port.offset)
-        return scipy.sparse.linalg.lsqr(scipy.sparse.vstack(rows), np.concatenate(values), atol=1e-15, btol=1e-15)[0]
+        values = np.concatenate([normal_displacement[port.interface] - port.offset for port in self.ports])
+        traces = [port.trace for port in self.ports]
+        if all(isinstance(trace, np.ndarray) for trace in traces):
+            return np.linalg.lstsq(np.vstack(traces), values, rcond=1e-12)[0]
+        rows = scipy.sparse.vstack([scipy.sparse.csr_matrix(trace) for trace in traces])
+        return scipy.sparse.linalg.lsqr(rows, values, atol=1e-15, btol=1e-15)[0]
 
     def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
         matrix = self._system(phi)
