@@ -154,11 +154,10 @@ class Cellwise:
 
 
 class Image:
-    """The elimination of a copy: its unknowns times `signs` (±1) are those of the original."""
+    """The elimination of a copy: its unknowns times `signs` (±1) are those of the original. kept: as in both."""
 
-    def __init__(self, original: Cellwise, signs: Floats) -> None:
-        self.original, self._signs = original, signs
-        self._kept = signs[original.kept]
+    def __init__(self, original: Elimination, signs: Floats, kept: Indices) -> None:
+        self.original, self._signs, self._kept = original, signs, signs[kept]
 
     @property
     def complement(self) -> Floats:
@@ -178,7 +177,7 @@ def eliminate_cellwise(cells: AffineCells, free: Indices, kept: Indices, others:
         if isinstance(other, Cellwise) and np.array_equal(other.free, free) and np.array_equal(other.kept, kept):
             signs = cells.image_signs(other.cells)
             if signs is not None:
-                return Image(other, signs[free % cells.dim])
+                return Image(other, signs[free % cells.dim], kept)
     return Cellwise(cells, free, kept)
 
 

@@ -104,6 +104,12 @@ class Kinematics:
             rotations.append(centred @ spin.T)
         return np.stack(translations + rotations, axis=-1)
 
+    def mirrored_modes(self, signs: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What the modes of a body's copy are times, (modes,), if its displacement components are times `signs`."""
+        if self.dim == 2:
+            return np.array([*signs, signs[1] * signs[0]])
+        return np.array([*signs, signs[2] * signs[1], signs[0] * signs[2], signs[1] * signs[0]])
+
     def describe(self, mode: Sequence[float]) -> str:
         """A rigid motion, given by its coefficients in `rigid_modes`, in words."""
         if self.ring:

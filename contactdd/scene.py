@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from mpi4py import MPI
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from .body import Body
 from .contact import Contact
+from .copies import originals
 from .errors import one_of, tuple_of
 from .interface import Interface, discretise
 from .layer import Layer
@@ -23,6 +24,7 @@ from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
 from .ranks import Ranks
 from .subproblem import CondensedSubproblem, RemoteSubproblem, Subproblem
+from .support import selection
 
 if TYPE_CHECKING:
     from .start import State
@@ -92,15 +94,30 @@ class Scene:
                 refuse_if_too_large(body)
             if kind == "condensed":
                 made: Subproblem = self._condensed(place)
+            elif kind == "assembled":
+                made = Subproblem(body, place, self.interfaces, self._original(kind, place))
             else:
-                made = (Subproblem if kind == "assembled" else MultigridSubproblem)(body, place, self.interfaces)
+                made = MultigridSubproblem(body, place, self.interfaces)
             self._subproblems[kind, place] = made
         return self._subproblems[kind, place]
 
     def _condensed(self, place: int) -> CondensedSubproblem:
         """One body's condensed problem; identical bodies share the factorisation of the inside."""
         others = [p for p in self._subproblems.values() if type(p) is CondensedSubproblem]
-        return CondensedSubproblem(self._subproblem("assembled", place), self.ranks.team(place), others)
+        inner, original = self._subproblem("assembled", place), self._original("condensed", place)
+        return CondensedSubproblem(inner, self.ranks.team(place), others, original)
+
+    def _original(self, kind: str, place: int) -> Any:
+        """The problem of the body that this one is a copy of, if that has been made, and the signs between them."""
+        original = self._originals[place]
+        if original is None or not self.ranks.alone or (kind, original[0]) not in self._subproblems:
+            return None
+        problem = self._subproblems[kind, original[0]]
+        return None if selection(problem.basis) is None else (problem, original[1])
+
+    @cached_property
+    def _originals(self) -> list[tuple[int, Floats] | None]:
+        return originals(self.bodies)
 
     def refresh(self) -> None:
         """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 
 from .affine import AffineCells, affine_cells
 from .body import Body
-from .elimination import Elimination, eliminate_cellwise, eliminate_whole
+from .copies import loaded_alike
+from .elimination import Elimination, Image, eliminate_cellwise, eliminate_whole
 from .factor import Factor
 from .forms import load_vector, spring_matrix, stiffness_matrix
 from .interface import Interface, Side
@@ -106,17 +107,46 @@ class Matrices:
 
 
 class Subproblem:
-    """a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n of one body, in the unknowns y of u = Z y + u₀."""
+    """a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n of one body, in the unknowns y of u = Z y + u₀.
 
-    def __init__(self, body: Body, place: int, interfaces: Sequence[Interface]) -> None:
+    original: the problem of a body that this one is a copy of, and the signs between them (`copies`).
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        place: int,
+        interfaces: Sequence[Interface],
+        original: tuple[Subproblem, Floats] | None = None,
+    ) -> None:
         self.body = body
+        self.sides = sides(place, interfaces)
+        self._factor: Factor | None = None
+        if original is not None:
+            self._set_as_copy(*original)
+            return
         self.basis, self.fixed = affine_space(body)
         self.matrices = Matrices(body, self.basis)
-        self.sides = sides(place, interfaces)
-        self._set_loads()
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
         self.motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
-        self._factor: Factor | None = None
+        self._set_loads()
+
+    def _set_as_copy(self, original: Subproblem, signs: Floats) -> None:
+        """What follows from the problem of a body that this one is a copy of."""
+        self.basis, self.fixed = original.basis, original.fixed
+        self.matrices = Matrices(self.body, self.basis)
+        modes, coefficients = original.motions
+        turned = self.mirrored(signs)
+        self.motions = turned[:, None] * modes, self.body.kinematics.mirrored_modes(signs)[:, None] * coefficients
+        if loaded_alike(original.body, self.body):
+            self.full_load = np.tile(signs, len(original.full_load) // len(signs)) * original.full_load
+            self.load, self.constant = turned * original.load, original.constant
+        else:
+            self._set_loads()
+
+    def mirrored(self, signs: Floats) -> Floats:
+        """By what the unknowns change (unknowns,) if the displacement's components change by `signs` (dim,)."""
+        return signs[selection(self.basis) % len(signs)]
 
     @cached_property
     def stiffness(self) -> Operator:
@@ -294,20 +324,42 @@ class CondensedSubproblem(Subproblem):
     the inside is recovered when the displacement is asked for.
 
     comm: the ranks that eliminate the inside together; all of them have made the same inner problem. others: problems
-    whose factorisation is shared where it is the same, that of an identical body.
+    whose factorisation is shared where it is the same, that of an identical body. original: the problem of a body that
+    this one is a copy of, and the signs between them.
     """
 
     def __init__(
-        self, inner: Subproblem, comm: MPI.Comm = MPI.COMM_SELF, others: Sequence[CondensedSubproblem] = ()
+        self,
+        inner: Subproblem,
+        comm: MPI.Comm = MPI.COMM_SELF,
+        others: Sequence[CondensedSubproblem] = (),
+        original: tuple[CondensedSubproblem, Floats] | None = None,
     ) -> None:
         self.body, self.basis, self.matrices, self.sides = inner.body, inner.basis, inner.matrices, inner.sides
         self.kept = _touched(inner)
-        self._inside = _eliminated(inner, self.kept, comm, [other._inside for other in others])
-        self.stiffness = self._inside.complement
         self._set_inner(inner)
         self.ports = kept_ports(self.sides, self.basis, self.fixed, self.kept)
+        if original is not None and np.array_equal(self.kept, original[0].kept):
+            self._set_as_copy(*original)
+            return
+        self._inside = _eliminated(inner, self.kept, comm, [other._inside for other in others])
+        self.stiffness = self._inside.complement
         self._keep_springs()
         self._set_loads()
+
+    def _set_as_copy(self, original: CondensedSubproblem, signs: Floats) -> None:
+        """What follows from the problem of a body that this one is a copy of."""
+        turned = self._inner.mirrored(signs)
+        self._inside: Elimination = Image(original._inside, turned, self.kept)
+        kept = turned[self.kept]
+        self.stiffness = kept[:, None] * original.stiffness * kept
+        modes, (owner,) = original.rigid.modes, original.rigid.owners
+        coefficients = self.body.kinematics.mirrored_modes(signs)[:, None] * owner.coefficients
+        self.rigid = self._rigid_motions(kept[:, None] * modes, coefficients, np.zeros_like(modes))
+        if loaded_alike(original.body, self.body):
+            self.load, self.constant = kept * original.load, original.constant
+        else:
+            self._set_loads()
 
     def refreshed_for(self, inner: Subproblem) -> CondensedSubproblem:
         """The same condensed problem for `inner` with other loads and prescribed displacements."""
