@@ -41,7 +41,7 @@ class ContactSurface:
         self.points = facet_points(
             body.mesh.domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1))
         )
-        self.areas = np.tile(weights, len(entities)) * self.points.area
+        self.areas = (self.points.area.reshape(-1, len(points)) * weights).ravel()
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
 

@@ -284,6 +284,7 @@ class Run:
         work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
 
         def growth(t: float) -> float:
+            """How much more the layers resist the corrections at t than at 0."""
             if cancels:
                 return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
