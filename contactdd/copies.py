@@ -25,7 +25,7 @@ def originals(bodies: Sequence[Body]) -> list[tuple[int, Floats] | None]:
     found: list[tuple[int, Floats] | None] = []
     firsts: dict[int, list[int]] = {}
     for place, body in enumerate(bodies):
-        alike = firsts.setdefault(id(_root_and_signs(body.mesh)[0]), [])
+        alike = firsts.setdefault(id(root_and_signs(body.mesh)[0]), [])
         pairs = ((first, signs_between(bodies[first], body)) for first in alike)
         found.append(next(((first, signs) for first, signs in pairs if signs is not None), None))
         if found[-1] is None:
@@ -38,7 +38,7 @@ def signs_between(original: Body, body: Body) -> Floats | None:
 
     Loads may differ. Shape (dim,): −1 where the body is mirrored.
     """
-    (root, signs), (other, others) = (_root_and_signs(each.mesh) for each in (original, body))
+    (root, signs), (other, others) = (root_and_signs(each.mesh) for each in (original, body))
     if not (root is other and original.mesh.surfaces is body.mesh.surfaces):
         return None
     same = (original.degree, original.kinematics, original.material) == (body.degree, body.kinematics, body.material)
@@ -67,7 +67,7 @@ def _unchanged(body: Body, signs: Floats) -> bool:
     return bool(np.abs(turned - material).max() <= 1e-14 * np.abs(material).max())
 
 
-def _root_and_signs(mesh: Mesh) -> tuple[Mesh, Floats]:
+def root_and_signs(mesh: Mesh) -> tuple[Mesh, Floats]:
     """The mesh that this one is a copy of, or the mesh itself, and which axes are mirrored."""
     origin = mesh.origin
     return (mesh, np.ones(mesh.dim)) if origin is None else (origin[0], origin[1].signs)

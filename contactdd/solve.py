@@ -56,7 +56,7 @@ def solve(
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
     start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution` to
         go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by the
-        mean load, the others from no displacement.
+        mean load, the others from no deformation, with bodies that float moved until their contacts close.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
     local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
         "multigrid" (nothing is factored, for large solids), or "auto".
@@ -136,4 +136,4 @@ def _start(
         return starts.from_contacts(scene, problems, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
     guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.undeformed(scene, problems) if guarded else starts.closed(scene, problems)
+    return starts.together(scene, problems) if guarded else starts.closed(scene, problems)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from .errors import finite
 from .field import evaluate
+from .rigid import joint_motions
 from .subproblem import Subproblem
 
 if TYPE_CHECKING:
@@ -57,22 +58,44 @@ def undeformed(scene: Scene, problems: Sequence[Subproblem]) -> State:
     return _state(scene, problems, [np.zeros(problem.size) for problem in problems])
 
 
+def together(scene: Scene, problems: Sequence[Subproblem]) -> State:
+    """No deformation, but bodies that float are moved until their contacts are about as closed as the loads will have it.
+
+    A linear least-squares problem for the rigid motions; those that springs resist are left alone.
+    """
+    motions = joint_motions(problems, scene.interfaces)
+    floating = ~np.any(motions.springs, axis=0)
+    if not np.any(floating):
+        return undeformed(scene, problems)
+    gaps = scene.gaps(problems, [np.zeros(problem.size) for problem in problems])
+    pressed = zip(scene.interfaces, gaps, _compressions(scene, problems), strict=True)
+    wanted = np.concatenate([np.sqrt(interface.weights) * (z.min() - w) for interface, z, w in pressed])
+    closing = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
+    unknowns = motions.modes[:, floating] @ np.linalg.lstsq(closing, wanted, rcond=1e-10)[0]
+    return _state(scene, problems, np.split(unknowns, np.cumsum([problem.size for problem in problems])[:-1]))
+
+
 def closed(scene: Scene, problems: Sequence[Subproblem]) -> State:
     """Every contact closed evenly, until where its gap is smallest it carries the largest mean load of a body.
 
     Bodies that float need such a start: with all contacts open nothing would hold them.
     """
-    stress = max(_mean_contact_stress(scene, problem) for problem in problems)
-    given = {}
-    for index, interface in enumerate(scene.interfaces):
-        w = float(interface.contact.layer.compression(-stress))
-        given[index] = np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
+    given = {
+        index: np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
+        for index, (interface, w) in enumerate(zip(scene.interfaces, _compressions(scene, problems), strict=True))
+    }
     return _state(scene, problems, [problem.start(given) for problem in problems])
 
 
 def _at_points(name: str, value: Given, interface: Interface) -> Floats:
     """A number or a function of the coordinates x (dim, n) at the points of an interface."""
     return evaluate(name, value if callable(value) else finite(name, value), interface.x.T)
+
+
+def _compressions(scene: Scene, problems: Sequence[Subproblem]) -> list[float]:
+    """w of every contact under the largest mean load of a body."""
+    stress = max(_mean_contact_stress(scene, problem) for problem in problems)
+    return [float(interface.contact.layer.compression(-stress)) for interface in scene.interfaces]
 
 
 def _mean_contact_stress(scene: Scene, problem: Subproblem) -> float:
