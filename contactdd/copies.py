@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from .body import Body
 from .load import Pressure
 from .material import Isotropic
-from .mesh import Mesh
 from .parameter import current
 from .support import Fixed, Symmetry
 
@@ -25,7 +24,7 @@ def originals(bodies: Sequence[Body]) -> list[tuple[int, Floats] | None]:
     found: list[tuple[int, Floats] | None] = []
     firsts: dict[int, list[int]] = {}
     for place, body in enumerate(bodies):
-        alike = firsts.setdefault(id(root_and_signs(body.mesh)[0]), [])
+        alike = firsts.setdefault(id(body.mesh.surfaces), [])
         pairs = ((first, signs_between(bodies[first], body)) for first in alike)
         found.append(next(((first, signs) for first, signs in pairs if signs is not None), None))
         if found[-1] is None:
@@ -38,14 +37,14 @@ def signs_between(original: Body, body: Body) -> Floats | None:
 
     Loads may differ. Shape (dim,): −1 where the body is mirrored.
     """
-    (root, signs), (other, others) = (root_and_signs(each.mesh) for each in (original, body))
-    if not (root is other and original.mesh.surfaces is body.mesh.surfaces):
+    isometry = body.mesh.isometry_from(original.mesh)
+    if isometry is None:
         return None
     same = (original.degree, original.kinematics, original.material) == (body.degree, body.kinematics, body.material)
     if not same or body.kinematics.ring or body.material.varies or not _held_alike(original, body):
         return None
-    signs = signs * others
-    return signs if isinstance(body.material, Isotropic) or _unchanged(body, signs) else None
+    unchanged = isinstance(body.material, Isotropic) or _unchanged(body, isometry.signs)
+    return isometry.signs if unchanged else None
 
 
 def loaded_alike(original: Body, body: Body) -> bool:
@@ -65,9 +64,3 @@ def _unchanged(body: Body, signs: Floats) -> bool:
     material, pairs = body.kinematics.tensor(body.material.stiffness()), signs[:, None] * signs
     turned = material * pairs[:, :, None, None] * pairs
     return bool(np.abs(turned - material).max() <= 1e-14 * np.abs(material).max())
-
-
-def root_and_signs(mesh: Mesh) -> tuple[Mesh, Floats]:
-    """The mesh that this one is a copy of, or the mesh itself, and which axes are mirrored."""
-    origin = mesh.origin
-    return (mesh, np.ones(mesh.dim)) if origin is None else (origin[0], origin[1].signs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -17,6 +18,7 @@ from .body import Body
 from .contact import Contact, Gap
 from .errors import MeshMismatchError
 from .field import evaluate
+from .isometry import Isometry
 from .quadrature import Rule, rule
 from .trace import FacetPoints, facet_corners, facet_points, facet_type, normal_trace
 from .transfer import Partners, by_segments, matching_facets, matching_values
@@ -44,6 +46,16 @@ class ContactSurface:
         self.areas = (self.points.area.reshape(-1, len(points)) * weights).ravel()
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
+
+    def copied(self, body: Body, isometry: Isometry) -> ContactSurface:
+        """The same surface of a body on a copy of the mesh, of the same degree."""
+        other = copy(self)
+        other.body, trace, signs = body, self.trace, isometry.signs
+        other.points = self.points.turned(isometry)
+        other.weights = self.areas * body.kinematics.weight(other.points.x.T)
+        values = trace.data * signs[trace.indices % len(signs)]
+        other.trace = scipy.sparse.csr_matrix((values, trace.indices, trace.indptr), shape=trace.shape)
+        return other
 
     def spread(self, order: NDArray[np.intp] | None = None) -> Spread:
         """To the integration points from the values, or from values whose `order` tells where each of these stands."""
@@ -237,7 +249,7 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
     """
     degree = max(body.degree for body, _ in contact.sides)
     quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
-    first, second = (ContactSurface(body, surface, quadrature) for body, surface in contact.sides)
+    first, second = _surfaces(contact, quadrature)
     reach = contact.search_distance or min(first.body.mesh.size, second.body.mesh.size)
     if facets is None:
         facets = matching_facets(first, second, reach)
@@ -254,6 +266,17 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
         Side(bodies[1], second, _rows(second.mean(second.trace).tocsr(), partner), second.spread(np.argsort(partner))),
     )
     return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides, facets=facets)
+
+
+def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, ContactSurface]:
+    """Both surfaces; where they are the same one of copies of a mesh, the second follows from the first."""
+    (body, surface), (other, opposite) = contact.sides
+    first = ContactSurface(body, surface, quadrature)
+    if surface == opposite and body.degree == other.degree:
+        isometry = other.mesh.isometry_from(body.mesh)
+        if isometry is not None:
+            return first, first.copied(other, isometry)
+    return first, ContactSurface(other, opposite, quadrature)
 
 
 def _rows(matrix: scipy.sparse.csr_matrix, order: NDArray[np.intp]) -> scipy.sparse.csr_matrix:

@@ -20,14 +20,14 @@ class Isometry:
     signs: Floats
     offset: Floats
 
-    @property
-    def mirrors(self) -> bool:
-        """Whether it turns right into left: an odd number of axes change sign."""
-        return bool(np.prod(self.signs) < 0)
-
     def __call__(self, x: Floats) -> Floats:
         """The images (n, dim) of points x (n, dim)."""
         return self.signs * x + self.offset
+
+    @property
+    def inverse(self) -> Isometry:
+        """From the images back to the points."""
+        return Isometry(self.signs, -self.signs * self.offset)
 
     def after(self, first: Isometry) -> Isometry:
         """The isometry x ↦ self(first(x))."""

@@ -103,6 +103,13 @@ class Mesh:
         same = np.array_equal(isometry(mesh.domain.geometry.x[:, : self.dim]), self.domain.geometry.x[:, : self.dim])
         return (mesh, isometry) if same else None
 
+    def isometry_from(self, other: Mesh) -> Isometry | None:
+        """What takes another mesh to this one if both are copies of one, with the same named surfaces; else None."""
+        (root, own), (other_root, others) = (
+            mesh.origin or (mesh, translation(np.zeros(mesh.dim))) for mesh in (self, other)
+        )
+        return own.after(others.inverse) if root is other_root and self.surfaces is other.surfaces else None
+
     def moved(self, offset: Sequence[float]) -> Mesh:
         """A copy of the mesh, moved by `offset` (dim,). It has the same cells, facets and named surfaces."""
         by = np.asarray(offset, dtype=float)

@@ -61,15 +61,16 @@ def undeformed(scene: Scene, problems: Sequence[Subproblem]) -> State:
 def together(scene: Scene, problems: Sequence[Subproblem]) -> State:
     """No deformation, but bodies that float are moved until their contacts are about as closed as the loads will have it.
 
-    A linear least-squares problem for the rigid motions; those that springs resist are left alone.
+    A linear least-squares problem for the rigid motions; those that springs resist are left alone, and all are where it
+    is not the loads that press: contacts that only just touch would close one after the other.
     """
     motions = joint_motions(problems, scene.interfaces)
     floating = ~np.any(motions.springs, axis=0)
-    if not np.any(floating):
+    compressions = _compressions(scene, problems)
+    if not np.any(floating) or not np.any(compressions) or any(np.any(problem.fixed) for problem in problems):
         return undeformed(scene, problems)
-    gaps = scene.gaps(problems, [np.zeros(problem.size) for problem in problems])
-    pressed = zip(scene.interfaces, gaps, _compressions(scene, problems), strict=True)
-    wanted = np.concatenate([np.sqrt(interface.weights) * (z.min() - w) for interface, z, w in pressed])
+    contacts = zip(scene.interfaces, compressions, strict=True)
+    wanted = np.concatenate([np.sqrt(i.weights) * (i.gap.min() - w) for i, w in contacts])
     closing = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
     unknowns = motions.modes[:, floating] @ np.linalg.lstsq(closing, wanted, rcond=1e-10)[0]
     return _state(scene, problems, np.split(unknowns, np.cumsum([problem.size for problem in problems])[:-1]))

@@ -6,7 +6,7 @@ points of any boundary facets: every element, degree and dimension by the same l
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import basix
@@ -17,6 +17,7 @@ from dolfinx import mesh as dmesh
 from numpy.typing import NDArray
 
 from . import compat
+from .isometry import Isometry
 
 Floats = NDArray[np.float64]
 
@@ -34,6 +35,10 @@ class FacetPoints:
     x: Floats
     normal: Floats
     area: Floats
+
+    def turned(self, isometry: Isometry) -> FacetPoints:
+        """The same points on a copy of the mesh."""
+        return replace(self, x=isometry(self.x), normal=isometry.signs * self.normal)
 
 
 def facet_entities(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> NDArray[np.int32]:

@@ -72,6 +72,8 @@ class Partners:
 def matching_facets(first: ContactSurface, second: ContactSurface, reach: float) -> Indices | None:
     """The second surface's facet that lies opposite each of the first's, or None if the meshes do not match there."""
     dim, n = first.body.mesh.dim, len(first.facets)
+    if _in_order(first, second, reach):
+        return np.arange(n)
     if len(second.facets) != n or first.corners.shape != second.corners.shape:
         return None
     middles = [side.points.x.reshape(n, -1, dim).sum(axis=1) / side.per_facet for side in (first, second)]
@@ -90,11 +92,25 @@ def matching_values(first: ContactSurface, second: ContactSurface, facet: Indice
     if first.rule.name == "facet":
         return facet
     dim, n = first.body.mesh.dim, len(first.facets)
+    if np.array_equal(facet, np.arange(n)) and _in_order(first, second, np.inf):
+        return np.arange(len(first.points.x))
     here, there, normal = (part.reshape(n, -1, dim) for part in (first.points.x, second.points.x, first.points.normal))
     offsets = _offsets(here, there[facet], normal)
     if offsets.min(axis=2).max() > _tolerance(first):
         return None
     return (facet[:, None] * first.per_facet + offsets.argmin(axis=2)).ravel()
+
+
+def _in_order(first: ContactSurface, second: ContactSurface, reach: float) -> bool:
+    """Whether the points of two surfaces lie opposite each other one after the other, as those of mirror images do."""
+    here, there = first.points, second.points
+    if here.x.shape != there.x.shape or first.per_facet < first.body.mesh.dim:  # too few points to tell the facets
+        return False
+    offset = there.x - here.x
+    along = _along(offset, here.normal)
+    across = offset - along[:, None] * here.normal
+    facing = _along(here.normal, there.normal).max() < -np.cos(FACING)
+    return bool(facing and np.abs(along).max() <= reach and _along(across, across).max() <= _tolerance(first) ** 2)
 
 
 def _tolerance(surface: ContactSurface) -> float:
