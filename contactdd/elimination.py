@@ -15,6 +15,7 @@ import scipy
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from .admissible import AdmissibleSpace
 from .affine import AffineCells
 from .factor import DenseFactor, Factor, SpreadFactor
 
@@ -87,18 +88,17 @@ class Whole:
 class Cellwise:
     """The inside of every cell eliminated first, all cells at once by dense algebra, then the rest, the skeleton.
 
-    free: the degrees of freedom that are unknowns; kept: those unknowns that stay, none of them inside of a cell.
+    space: which degrees of freedom are the unknowns; kept: those unknowns that stay, none of them inside of a cell.
     """
 
     #: Unknowns up to which the skeleton's matrix is dense.
     SMALL = 400
 
-    def __init__(self, cells: AffineCells, free: Indices, kept: Indices) -> None:
-        self.cells, self.free, self.kept = cells, free, kept
-        unknown = np.full(cells.dim * (int(cells.nodes.max()) + 1), -1, dtype=np.int32)
-        unknown[free] = np.arange(len(free), dtype=np.int32)
+    def __init__(self, cells: AffineCells, space: AdmissibleSpace, kept: Indices) -> None:
+        self.cells, self.space, self.kept = cells, space, kept
+        unknown = space.numbers
         self._inner, outer = unknown[cells.dofs(cells.inner)], unknown[cells.dofs(cells.outer)].ravel()
-        is_outer = np.zeros(len(free), dtype=bool)
+        is_outer = np.zeros(space.size, dtype=bool)
         is_outer[outer[outer >= 0]] = True
         self._skeleton = np.flatnonzero(is_outer)
         number = np.cumsum(is_outer) - 1
@@ -171,14 +171,17 @@ class Image:
         return self._signs * self.original.extended(self._kept * kept, self._signs * forces)
 
 
-def eliminate_cellwise(cells: AffineCells, free: Indices, kept: Indices, others: Sequence[Elimination]) -> Elimination:
+def eliminate_cellwise(
+    cells: AffineCells, space: AdmissibleSpace, kept: Indices, others: Sequence[Elimination]
+) -> Elimination:
     """The cellwise elimination of a body, or the image of another body's of which it is a copy."""
     for other in others:
-        if isinstance(other, Cellwise) and np.array_equal(other.free, free) and np.array_equal(other.kept, kept):
+        alike = isinstance(other, Cellwise) and np.array_equal(other.kept, kept)
+        if alike and np.array_equal(other.space.free, space.free):
             signs = cells.image_signs(other.cells)
             if signs is not None:
-                return Image(other, signs[free % cells.dim], kept)
-    return Cellwise(cells, free, kept)
+                return Image(other, signs[space.free % cells.dim], kept)
+    return Cellwise(cells, space, kept)
 
 
 def eliminate_whole(

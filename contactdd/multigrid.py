@@ -97,7 +97,7 @@ class Multigrid:
     """
 
     def __init__(self, problem: Subproblem, matrix: scipy.sparse.csr_matrix) -> None:
-        self._basis, dim = problem.basis, problem.body.mesh.dim
+        self._basis, dim = problem.space.basis, problem.body.mesh.dim
         outside = scipy.sparse.eye(self._basis.shape[0], format="csr") - self._basis @ self._basis.T
         full = (self._basis @ matrix @ self._basis.T + problem.rigid.largest * outside).tocsr()
         full.sort_indices()

@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from .admissible import AdmissibleSpace
 from .errors import LooseBodyError
 from .kinematics import Kinematics
 
@@ -175,14 +176,14 @@ def pivots(motions: Floats) -> NDArray[np.intp]:
     return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: motions.shape[1]]
 
 
-def allowed_motions(modes: Floats, basis: scipy.sparse.csr_matrix) -> tuple[Floats, Floats]:
+def allowed_motions(modes: Floats, space: AdmissibleSpace) -> tuple[Floats, Floats]:
     """The rigid motions that the supports allow.
 
-    modes: (dofs, motions) all of a body; basis: Z of u = Z y + u₀. Returns the unknowns of an orthonormal set
+    modes: (dofs, motions) all of a body; space: what the supports leave. Returns the unknowns of an orthonormal set
     (unknowns, allowed), and its coefficients in `modes` (motions, allowed).
     """
-    unknowns = basis.T @ modes
-    prevented = modes - basis @ unknowns
+    unknowns = space.restricted(modes)
+    prevented = modes - space.extended(unknowns)
     prevented = prevented[np.any(prevented, axis=1)]
     _, singular, right = np.linalg.svd(
         np.vstack([prevented, np.zeros_like(prevented.T @ prevented)]), full_matrices=False

@@ -24,7 +24,6 @@ from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
 from .ranks import Ranks
 from .subproblem import CondensedSubproblem, RemoteSubproblem, Subproblem
-from .support import selection
 
 if TYPE_CHECKING:
     from .start import State
@@ -113,7 +112,7 @@ class Scene:
         if original is None or not self.ranks.alone or (kind, original[0]) not in self._subproblems:
             return None
         problem = self._subproblems[kind, original[0]]
-        return None if selection(problem.basis) is None else (problem, original[1])
+        return None if problem.space.free is None else (problem, original[1])
 
     @cached_property
     def _originals(self) -> list[tuple[int, Floats] | None]:

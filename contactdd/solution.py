@@ -172,7 +172,7 @@ class Solution:
         loads, contact, fields = problem.full_load, self._contact_load(place), self._fields[place]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
-        supports = supports - problem.basis @ (problem.basis.T @ supports) - fields.spring_forces
+        supports = supports - problem.space.extended(problem.space.restricted(supports)) - fields.spring_forces
         parts = {"loads": loads, "contact": contact, "supports": supports}
         return {name: owner.kinematics.resultant(v.reshape(-1, owner.mesh.dim)) for name, v in parts.items()}
 
@@ -192,7 +192,7 @@ class Solution:
         total = scale = 0.0
         for place, problem in enumerate(self._problems):
             contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
-            total += float(np.sum((problem.basis.T @ (problem.full_load + contact - elastic)) ** 2))
+            total += float(np.sum(problem.space.restricted(problem.full_load + contact - elastic) ** 2))
             scale += float(problem.full_load @ problem.full_load + contact @ contact)
         return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
 

@@ -67,7 +67,7 @@ def together(scene: Scene, problems: Sequence[Subproblem]) -> State:
     motions = joint_motions(problems, scene.interfaces)
     floating = ~np.any(motions.springs, axis=0)
     compressions = _compressions(scene, problems)
-    if not np.any(floating) or not np.any(compressions) or any(np.any(problem.fixed) for problem in problems):
+    if not np.any(floating) or not np.any(compressions) or any(np.any(problem.space.offset) for problem in problems):
         return undeformed(scene, problems)
     contacts = zip(scene.interfaces, compressions, strict=True)
     wanted = np.concatenate([np.sqrt(i.weights) * (i.gap.min() - w) for i, w in contacts])

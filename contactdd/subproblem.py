@@ -7,7 +7,7 @@ displacement and reassembles and refactors its matrix at each step, the plain re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,6 +18,7 @@ import scipy
 from mpi4py import MPI
 from numpy.typing import NDArray
 
+from .admissible import AdmissibleSpace
 from .affine import AffineCells, affine_cells
 from .body import Body
 from .copies import loaded_alike
@@ -26,16 +27,12 @@ from .factor import Factor
 from .forms import load_vector, spring_matrix, stiffness_matrix
 from .interface import Interface, Side
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
-from .support import Spring, affine_space, columns, selection, within
+from .support import Spring, admissible_space
 
 if TYPE_CHECKING:
-    #: An operator that is kept dense where it is small.
-    Operator = scipy.sparse.csr_matrix | NDArray[np.float64]
+    from .admissible import Operator
 
 Floats = NDArray[np.float64]
-
-#: Entries up to which a dense product is faster than a sparse one.
-SMALL = 2**14
 
 
 @dataclass(frozen=True)
@@ -70,8 +67,8 @@ class Fields:
 class Matrices:
     """A body's stiffness: cell by cell where that pays, and as its forms give it, made when first asked for."""
 
-    def __init__(self, body: Body, basis: scipy.sparse.csr_matrix) -> None:
-        self._body, self._basis = body, basis
+    def __init__(self, body: Body, space: AdmissibleSpace) -> None:
+        self._body, self._space = body, space
         self.has_springs = any(isinstance(support, Spring) for support in body.supports)
 
     @cached_property
@@ -93,7 +90,7 @@ class Matrices:
     @cached_property
     def reduced(self) -> scipy.sparse.csr_matrix:
         """The same in the unknowns."""
-        return within(self._basis, self.full)
+        return self._space.within(self.full)
 
     def forces(self, u: Floats) -> Floats:
         """a(u, ·) with the springs, of all degrees of freedom."""
@@ -125,16 +122,16 @@ class Subproblem:
         if original is not None:
             self._set_as_copy(*original)
             return
-        self.basis, self.fixed = affine_space(body)
-        self.matrices = Matrices(body, self.basis)
+        self.space = admissible_space(body)
+        self.matrices = Matrices(body, self.space)
         modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
-        self.motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.basis)
+        self.motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.space)
         self._set_loads()
 
     def _set_as_copy(self, original: Subproblem, signs: Floats) -> None:
         """What follows from the problem of a body that this one is a copy of."""
-        self.basis, self.fixed = original.basis, original.fixed
-        self.matrices = Matrices(self.body, self.basis)
+        self.space = original.space
+        self.matrices = Matrices(self.body, self.space)
         modes, coefficients = original.motions
         turned = self.mirrored(signs)
         self.motions = turned[:, None] * modes, self.body.kinematics.mirrored_modes(signs)[:, None] * coefficients
@@ -146,7 +143,7 @@ class Subproblem:
 
     def mirrored(self, signs: Floats) -> Floats:
         """By what the unknowns change (unknowns,) if the displacement's components change by `signs` (dim,)."""
-        return signs[selection(self.basis) % len(signs)]
+        return signs[self.space.free % len(signs)]
 
     @cached_property
     def stiffness(self) -> Operator:
@@ -160,9 +157,9 @@ class Subproblem:
             Port(
                 index,
                 side,
-                columns(side.trace, self.basis),
-                side.trace @ self.fixed,
-                columns(side.surface.trace, self.basis),
+                self.space.columns(side.trace),
+                side.trace @ self.space.offset,
+                self.space.columns(side.surface.trace),
             )
             for index, side in self.sides
         ]
@@ -178,33 +175,34 @@ class Subproblem:
         modes = self.motions[0]
         if not self.matrices.has_springs:
             return np.zeros_like(modes)
-        return self.basis.T @ (self.matrices.springs @ (self.basis @ modes))
+        return self.space.restricted(self.matrices.springs @ self.space.extended(modes))
 
     def refreshed(self) -> Subproblem:
         """The same problem for the present loads and prescribed displacements; all matrices are shared."""
         other = copy(self)
-        other.fixed = affine_space(self.body)[1]
+        other.space = replace(self.space, offset=admissible_space(self.body).offset)
         if "ports" in vars(self):
-            other.ports = [replace(port, offset=port.side.trace @ other.fixed) for port in self.ports]
+            other.ports = [replace(port, offset=port.side.trace @ other.space.offset) for port in self.ports]
         other._set_loads()
         return other
 
     def _set_loads(self) -> None:
         """What follows from the loads and prescribed displacements."""
         self.full_load = load_vector(self.body)
-        prescribed = self.matrices.forces(self.fixed) if np.any(self.fixed) else np.zeros_like(self.fixed)
-        self.load = self.basis.T @ (self.full_load - prescribed)
-        self.constant = float(0.5 * self.fixed @ prescribed - self.full_load @ self.fixed)
+        offset = self.space.offset
+        prescribed = self.matrices.forces(offset) if np.any(offset) else np.zeros_like(offset)
+        self.load = self.space.restricted(self.full_load - prescribed)
+        self.constant = float(0.5 * offset @ prescribed - self.full_load @ offset)
 
     @cached_property
     def nodal_trace(self) -> scipy.sparse.csr_matrix:
         """u_n at the nodes of all contact surfaces from the unknowns, but for `nodal_offset`."""
-        return columns(self._nodal, self.basis)
+        return self.space.columns(self._nodal)
 
     @property
     def nodal_offset(self) -> Floats:
         """u_n at the nodes of all contact surfaces of the prescribed displacements."""
-        return self._nodal @ self.fixed
+        return self._nodal @ self.space.offset
 
     @cached_property
     def _nodal(self) -> scipy.sparse.csr_matrix:
@@ -250,11 +248,11 @@ class Subproblem:
 
     def displacement(self, y: Floats) -> Floats:
         """All degrees of freedom of the displacement."""
-        return self.basis @ y + self.fixed
+        return self.space.extended(y) + self.space.offset
 
     def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
         """operator @ displacement(y) where the unknowns alone tell it, else None; operator: on all dofs."""
-        return operator @ (self.basis @ y + self.fixed)
+        return operator @ (self.space.extended(y) + self.space.offset)
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
         """What the solution tells of the body."""
@@ -271,7 +269,7 @@ class Subproblem:
 
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""
-        return self.basis.T @ (u - self.fixed)
+        return self.space.restricted(u - self.space.offset)
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
         """Unknowns with (nearly) the given u_n at the points of each interface and the inside in equilibrium."""
@@ -300,7 +298,7 @@ class Subproblem:
         for port in self.ports:
             surface = port.side.surface
             term = surface.robin.matrix(surface.mean(port.side.transfer @ phi[port.interface]))
-            term = within(self.basis, term)
+            term = self.space.within(term)
             values[_places(self.stiffness, term)] += term.data
         return values
 
@@ -335,10 +333,10 @@ class CondensedSubproblem(Subproblem):
         others: Sequence[CondensedSubproblem] = (),
         original: tuple[CondensedSubproblem, Floats] | None = None,
     ) -> None:
-        self.body, self.basis, self.matrices, self.sides = inner.body, inner.basis, inner.matrices, inner.sides
+        self.body, self.matrices, self.sides = inner.body, inner.matrices, inner.sides
         self.kept = _touched(inner)
         self._set_inner(inner)
-        self.ports = kept_ports(self.sides, self.basis, self.fixed, self.kept)
+        self.ports = kept_ports(self.sides, self.space, self.kept)
         if original is not None and np.array_equal(self.kept, original[0].kept):
             self._set_as_copy(*original)
             return
@@ -365,13 +363,13 @@ class CondensedSubproblem(Subproblem):
         """The same condensed problem for `inner` with other loads and prescribed displacements."""
         other = copy(self)
         other._set_inner(inner)
-        other.ports = [replace(port, offset=port.side.trace @ other.fixed) for port in self.ports]
+        other.ports = [replace(port, offset=port.side.trace @ other.space.offset) for port in self.ports]
         other._set_loads()
         return other
 
     def _set_inner(self, inner: Subproblem) -> None:
         self._inner = inner
-        self.fixed, self.full_load = inner.fixed, inner.full_load
+        self.space, self.full_load = inner.space, inner.full_load
 
     def _keep_springs(self) -> None:
         """Find the rigid motions, and take the rounding of the elimination out of the elastic forces that they meet.
@@ -414,15 +412,17 @@ class CondensedSubproblem(Subproblem):
         return self._inner.displacement(self._inside.extended(y, self._inner.load))
 
     def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
-        known, unknown = np.zeros(self.basis.shape[1]), np.ones(self.basis.shape[1])
-        known[self.kept], unknown[self.kept] = y, 0.0
-        if np.any((np.abs(self.basis) @ unknown)[operator.indices]):
+        hidden = np.ones(self.space.size, dtype=bool)
+        hidden[self.kept] = False
+        if np.any(hidden[self.space.unknowns_at(operator.indices)]):
             return None
+        known = np.zeros(self.space.size)
+        known[self.kept] = y
         return super().seen(known, operator)
 
     @cached_property
     def nodal_trace(self) -> scipy.sparse.csr_matrix:
-        return columns(self._nodal, self.basis)[:, self.kept]
+        return self.space.columns(self._nodal)[:, self.kept]
 
     def restrict(self, u: Floats) -> Floats:
         return super().restrict(u)[self.kept]
@@ -468,10 +468,10 @@ class RemoteSubproblem(CondensedSubproblem):
 
     def __init__(self, body: Body, place: int, interfaces: Sequence[Interface], shared: Shared) -> None:
         self.body = body
-        self.basis, self.fixed = affine_space(body)
+        self.space = admissible_space(body)
         self.kept, self.stiffness, self.load, self.constant, self.full_load, motions = shared
         self.sides = sides(place, interfaces)
-        self.ports = kept_ports(self.sides, self.basis, self.fixed, self.kept)
+        self.ports = kept_ports(self.sides, self.space, self.kept)
         self.rigid = self._rigid_motions(*motions)
 
 
@@ -487,61 +487,35 @@ def sides(place: int, interfaces: Sequence[Interface]) -> list[tuple[int, Side]]
     ]
 
 
-def kept_ports(
-    sides: Sequence[tuple[int, Side]], basis: scipy.sparse.csr_matrix, fixed: Floats, kept: NDArray[np.intp]
-) -> list[Port]:
-    """Where the interfaces meet the kept unknowns of u = Z y + u₀."""
-    some = _kept_columns(basis, kept)
-    return [Port(index, side, some(side.trace), side.trace @ fixed, some(side.surface.trace)) for index, side in sides]
-
-
-def _kept_columns(
-    basis: scipy.sparse.csr_matrix, kept: NDArray[np.intp]
-) -> Callable[[scipy.sparse.csr_matrix], Operator]:
-    """What takes an operator on all degrees of freedom to one on the kept unknowns, all others being at rest."""
-    free = selection(basis)
-    if free is None:
-        some = basis[:, kept]
-        return lambda operator: (operator @ some).tocsr()
-    number = np.full(basis.shape[0], -1, dtype=np.int32)
-    number[free[kept]] = np.arange(len(kept), dtype=np.int32)
-
-    def columns_of(operator: scipy.sparse.csr_matrix) -> Operator:
-        columns, rows = number[operator.indices], np.repeat(np.arange(operator.shape[0]), np.diff(operator.indptr))
-        present, shape = columns >= 0, (operator.shape[0], len(kept))
-        rows, columns, values = rows[present], columns[present], operator.data[present]
-        if shape[0] * shape[1] > SMALL:
-            return scipy.sparse.csr_matrix((values, (rows, columns)), shape=shape)
-        dense = np.zeros(shape)
-        dense[rows, columns] = values
-        return dense
-
-    return columns_of
+def kept_ports(sides: Sequence[tuple[int, Side]], space: AdmissibleSpace, kept: NDArray[np.intp]) -> list[Port]:
+    """Where the interfaces meet the kept unknowns."""
+    some = space.columns_of(kept)
+    return [
+        Port(index, side, some(side.trace), side.trace @ space.offset, some(side.surface.trace))
+        for index, side in sides
+    ]
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
     """The unknowns that a contact's normal displacements depend on and, where a body could still move rigidly with
     all of them held, every unknown of the same nodes: the inside must be a well-posed problem."""
-    basis = problem.basis
-    touched = np.zeros(basis.shape[0], dtype=bool)
-    for _, side in problem.sides:
-        touched[side.trace.indices] = touched[side.surface.trace.indices] = True
-    kept = np.unique(basis.indices[np.repeat(touched, np.diff(basis.indptr))])
+    space = problem.space
+    dofs = [trace.indices for _, side in problem.sides for trace in (side.trace, side.surface.trace)]
+    kept = space.unknowns_at(np.concatenate(dofs))
     if _hold(problem.motions[0][kept]):
         return kept
     dim = problem.body.mesh.dim
-    nodes = np.unique(basis[:, kept].nonzero()[0]) // dim
-    dofs = (nodes[:, None] * dim + np.arange(dim)).ravel()
-    return np.unique(basis[dofs].indices)
+    nodes = np.unique(space.basis[:, kept].nonzero()[0]) // dim
+    return space.unknowns_at((nodes[:, None] * dim + np.arange(dim)).ravel())
 
 
 def _eliminated(
     problem: Subproblem, kept: NDArray[np.intp], comm: MPI.Comm, others: Sequence[Elimination]
 ) -> Elimination:
     """A body's inside eliminated: cell by cell first where many unknowns lie inside of alike cells."""
-    matrices, free = problem.matrices, selection(problem.basis)
-    if comm.size == 1 and free is not None and not matrices.has_springs and matrices.cells is not None:
-        return eliminate_cellwise(matrices.cells, free, kept, others)
+    matrices, space = problem.matrices, problem.space
+    if comm.size == 1 and space.free is not None and not matrices.has_springs and matrices.cells is not None:
+        return eliminate_cellwise(matrices.cells, space, kept, others)
     return eliminate_whole(problem.stiffness, kept, comm, others)
 
 

@@ -1,4 +1,4 @@
-"""Supports: which displacements are prescribed, the affine space u = Z y + u₀ that this leaves to a body, springs."""
+"""Supports: which displacements are prescribed, and springs."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from .admissible import AdmissibleSpace
 from .errors import one_of, positive
 from .field import Field, coefficient, evaluate
 from .material import Number
@@ -133,11 +134,8 @@ def surface_nodes(body: Body, surface: str) -> NDArray[np.int32]:
     return fem.locate_dofs_topological(body.space, body.mesh.dim - 1, body.mesh.facets(surface))
 
 
-def affine_space(body: Body) -> tuple[scipy.sparse.csr_matrix, Floats]:
-    """(Z, u₀) with u = Z y + u₀ for every displacement that the supports of the body allow.
-
-    Z has orthonormal columns, shape (dofs, free dofs); it only selects where all prescribed directions are axes.
-    """
+def admissible_space(body: Body) -> AdmissibleSpace:
+    """The displacements that the supports of the body allow."""
     dim, nodes = body.mesh.dim, body.space.dofmap.index_map.size_local
     conditions = [condition for support in body.supports for condition in support.conditions(body)]
     fixed, offset = np.zeros((nodes, dim), dtype=bool), np.zeros((nodes, dim))
@@ -154,30 +152,10 @@ def affine_space(body: Body) -> tuple[scipy.sparse.csr_matrix, Floats]:
             for node, value in zip(where, values, strict=True):
                 tilted.setdefault(int(node), []).append((direction, float(value)))
     _refuse_open_axis(body, fixed)
+    if not tilted:
+        return AdmissibleSpace(offset.ravel(), np.flatnonzero(~fixed))
     blocks = {node: _node_space(body, fixed[node], offset[node], rows) for node, rows in tilted.items()}
-    return _assemble(fixed, blocks), offset.ravel()
-
-
-def columns(matrix: scipy.sparse.csr_matrix, basis: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
-    """matrix @ Z."""
-    free = selection(basis)
-    return (matrix @ basis).tocsr() if free is None else matrix[:, free]
-
-
-def within(basis: scipy.sparse.csr_matrix, matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
-    """Zᵀ @ matrix @ Z."""
-    free = selection(basis)
-    return (basis.T @ matrix @ basis).tocsr() if free is None else matrix[free][:, free]
-
-
-def selection(basis: scipy.sparse.csr_matrix) -> NDArray[np.intp] | None:
-    """The free degrees of freedom, where Z only selects them in order, else None."""
-    rows = np.flatnonzero(np.diff(basis.indptr))
-    size = basis.shape[1]
-    selects = (
-        len(rows) == basis.nnz == size and np.array_equal(basis.indices, np.arange(size)) and np.all(basis.data == 1)
-    )
-    return rows if selects else None
+    return AdmissibleSpace(offset.ravel(), None, _assemble(fixed, blocks))
 
 
 def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list[tuple[Floats, float]]) -> Floats:

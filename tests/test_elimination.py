@@ -10,7 +10,6 @@ from contactdd.affine import AffineCells, are_affine
 from contactdd.elimination import Cellwise, Image, Whole, eliminate_cellwise
 from contactdd.forms import stiffness_matrix
 from contactdd.subproblem import Subproblem
-from contactdd.support import selection
 
 #: Two ways to the same numbers differ by the rounding of sums over some hundred terms.
 ROUNDING = 1e-12
@@ -91,7 +90,7 @@ def problem(shape: str, degree: int, lower: tuple[float, ...], supports: list[ob
 
 
 def kept_unknowns(inner: Subproblem) -> np.ndarray:
-    return np.unique(inner.basis[inner.sides[0][1].trace.indices].indices)
+    return inner.space.unknowns_at(inner.sides[0][1].trace.indices)
 
 
 CASES = [("triangle", 3, 2), ("triangle", 4, 2), ("quadrilateral", 3, 2), ("tetrahedron", 4, 3), ("hexahedron", 3, 3)]
@@ -108,7 +107,7 @@ def test_cellwise_is_the_same_as_whole(shape, degree, dim, floating, monkeypatch
         AffineCells, "ENTRIES", 2 * inner.body.space.element.space_dimension**2
     )  # a few cells at a time
     whole = Whole(inner.stiffness, kept)
-    cellwise = Cellwise(AffineCells(inner.body), selection(inner.basis), kept)
+    cellwise = Cellwise(AffineCells(inner.body), inner.space, kept)
     scale = np.abs(whole.complement).max()
     assert np.abs(cellwise.complement - whole.complement).max() < 1e-11 * scale
     (on_kept, work), (expected, expected_work) = cellwise.reduced(inner.load), whole.reduced(inner.load)
@@ -127,24 +126,24 @@ def test_cellwise_is_the_same_as_whole(shape, degree, dim, floating, monkeypatch
 def test_a_moved_copy_is_an_image(shape, degree, dim):
     walls = cd.Symmetry("left") if dim == 2 else cd.Symmetry("left", "front")
     inner, moved = (problem(shape, degree, (x,) * dim, [walls]) for x in (0.0, 7.3))
-    kept, free = kept_unknowns(inner), selection(inner.basis)
-    original = eliminate_cellwise(AffineCells(inner.body), free, kept, [])
-    image = eliminate_cellwise(AffineCells(moved.body), free, kept, [original])
+    kept, space = kept_unknowns(inner), inner.space
+    original = eliminate_cellwise(AffineCells(inner.body), space, kept, [])
+    image = eliminate_cellwise(AffineCells(moved.body), space, kept, [original])
     assert isinstance(image, Image)
-    own = Cellwise(AffineCells(moved.body), free, kept)
+    own = Cellwise(AffineCells(moved.body), space, kept)
     assert np.abs(image.complement - own.complement).max() < 1e-10 * np.abs(own.complement).max()
 
 
 def test_another_body_is_no_image():
     inner = problem("quadrilateral", 3, (0.0, 0.0), [cd.Symmetry("left")])
-    kept, free = kept_unknowns(inner), selection(inner.basis)
-    original = eliminate_cellwise(AffineCells(inner.body), free, kept, [])
+    kept, space = kept_unknowns(inner), inner.space
+    original = eliminate_cellwise(AffineCells(inner.body), space, kept, [])
     wider = cd.rectangle((0, 0), (1 + 1e-9, 1), (2, 2), shape="quadrilateral")
     for body in (
         cd.Body("softer", inner.body.mesh, cd.Isotropic(1e5, 0.3), degree=3),
         cd.Body("wider", wider, inner.body.material, degree=3),
     ):
-        assert isinstance(eliminate_cellwise(AffineCells(body), free, kept, [original]), Cellwise)
+        assert isinstance(eliminate_cellwise(AffineCells(body), space, kept, [original]), Cellwise)
 
 
 @pytest.mark.parametrize("method", ["auto", "chord"])
