@@ -22,6 +22,7 @@ from . import compat
 
 if TYPE_CHECKING:
     from .body import Body
+    from .mesh import Mesh
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -43,7 +44,7 @@ class AffineCells:
     def __init__(self, body: Body) -> None:
         element = body.space.ufl_element()
         self.dim = body.mesh.dim
-        self.jacobians, self.material = _jacobians(body), body.kinematics.tensor(body.material.stiffness())
+        self.jacobians, self.material = _jacobians(body.mesh), body.kinematics.tensor(body.material.stiffness())
         self.reach = float(np.abs(body.mesh.domain.geometry.x).max())
         self.nodes = body.space.dofmap.list
         self.inner, self.outer = _inner_and_outer(element)
@@ -108,28 +109,32 @@ def affine_cells(body: Body) -> AffineCells | None:
     inner, outer = _inner_and_outer(body.space.ufl_element())
     if len(inner) < WORTHWHILE * (len(inner) + len(outer)) or body.material.varies or body.kinematics.ring:
         return None
-    return AffineCells(body) if are_affine(body) else None
+    return AffineCells(body) if are_affine(body.mesh) else None
 
 
-def are_affine(body: Body) -> bool:
+def are_affine(mesh: Mesh) -> bool:
     """Whether every cell is an affine image of the reference cell: a simplex, a parallelogram, a parallelepiped."""
-    element = compat.coordinate_map(body.mesh.domain)
+    element = compat.coordinate_map(mesh.domain)
     if element.degree > 1:
         return False
     vertices, ends = _vertices(element.cell_type)
-    if len(vertices) == body.mesh.dim + 1:
+    if len(vertices) == mesh.dim + 1:
         return True
-    x = body.mesh.domain.geometry.x[compat.geometry_dofmap(body.mesh.domain)]
+    x = _nodes(mesh)
     straight = x[:, :1] + vertices @ (x[:, ends] - x[:, :1])
     return bool(np.abs(straight - x).max() <= 1e-14 * np.abs(x).max())  # what rounding leaves of a parallelogram
 
 
-def _jacobians(body: Body) -> Floats:
+def _jacobians(mesh: Mesh) -> Floats:
     """J of every cell's map, (cells, dim, dim)."""
-    domain, dim = body.mesh.domain, body.mesh.dim
-    nodes = domain.geometry.x[compat.geometry_dofmap(domain)][:, :, :dim]
-    _, ends = _vertices(compat.coordinate_map(domain).cell_type)
-    return np.swapaxes(nodes[:, ends] - nodes[:, :1], 1, 2)
+    x = _nodes(mesh)
+    _, ends = _vertices(compat.coordinate_map(mesh.domain).cell_type)
+    return np.swapaxes(x[:, ends] - x[:, :1], 1, 2)
+
+
+def _nodes(mesh: Mesh) -> Floats:
+    """Where the nodes of every cell are, (cells, nodes, dim)."""
+    return mesh.domain.geometry.x[compat.geometry_dofmap(mesh.domain), : mesh.dim]
 
 
 @cache

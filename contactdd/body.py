@@ -70,8 +70,12 @@ class Body:
     @cached_property
     def space(self) -> fem.FunctionSpace:
         """The finite element space of the body's displacements."""
-        element = _lagrange(self.mesh.domain.topology.cell_name(), self.degree, self.mesh.dim)
-        return compat.function_space(self.mesh.domain, element)
+        return compat.function_space(self.mesh.domain, self.element)
+
+    @property
+    def element(self) -> Any:
+        """The Lagrange element of the displacements."""
+        return _lagrange(self.mesh.domain.topology.cell_name(), self.degree, self.mesh.dim)
 
     @cached_property
     def stiffness(self) -> Any:

@@ -8,6 +8,7 @@ which this one is a moved or mirrored copy.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -102,10 +103,9 @@ class Cellwise:
         is_outer[outer[outer >= 0]] = True
         self._skeleton = np.flatnonzero(is_outer)
         number = np.cumsum(is_outer) - 1
-        places, size = np.where(outer >= 0, number[outer], -1), len(self._skeleton)
-        self._gather = _gathering(places, size)
-        complements = np.concatenate([self._complements(part) for part in self.cells.parts()])
-        matrix = _dense_sum(complements, places, size) if size <= self.SMALL else _sparse_sum(complements, self._gather)
+        self._places, size = np.where(outer >= 0, number[outer], -1), len(self._skeleton)
+        blocks = np.concatenate([self._complements(part) for part in cells.parts()])
+        matrix = _dense_sum(blocks, self._places, size) if size <= self.SMALL else _sparse_sum(blocks, self._gather)
         self._rest = Whole(matrix, number[kept])
 
     @property
@@ -127,6 +127,14 @@ class Cellwise:
                 matrix, forces[self._inner[part]][:, :, None] - coupling @ around[part]
             )[:, :, 0]
         return y
+
+    @cached_property
+    def _gather(self) -> scipy.sparse.csr_matrix:
+        """P, from the skeleton's unknowns to those around every cell; nothing where one is prescribed."""
+        present = self._places >= 0
+        ends = np.concatenate([[0], np.cumsum(present)])
+        entries = (np.ones(int(ends[-1])), self._places[present], ends)
+        return scipy.sparse.csr_matrix(entries, shape=(len(self._places), len(self._skeleton)))
 
     def _complements(self, part: slice) -> Floats:
         """Some cells seen from the nodes around them, (cells, outer, outer)."""
@@ -206,11 +214,3 @@ def _dense_sum(blocks: Floats, places: NDArray[np.intp], size: int) -> Floats:
     numbers = np.where(places >= 0, places, size).reshape(len(blocks), -1)
     flat = numbers[:, :, None] * (size + 1) + numbers[:, None, :]
     return np.bincount(flat.ravel(), blocks.ravel(), (size + 1) ** 2).reshape(size + 1, -1)[:size, :size]
-
-
-def _gathering(numbers: NDArray[np.int32], count: int) -> scipy.sparse.csr_matrix:
-    """P with (P y)_i = y[numbers_i], zero where the number is negative, (numbers, count)."""
-    present = numbers >= 0
-    ends = np.concatenate([[0], np.cumsum(present)])
-    entries = (np.ones(int(ends[-1])), numbers[present], ends)
-    return scipy.sparse.csr_matrix(entries, shape=(len(numbers), count))

@@ -19,9 +19,9 @@ ALWAYS_FACTORED = 20_000
 
 def cheapest_solver(body: Body) -> str:
     """The local solver for a body: "condensed" where factoring it fits and pays, else "multigrid"."""
-    unknowns = body_unknowns(body)
-    if unknowns <= ALWAYS_FACTORED:
+    if _is_small(body):
         return "condensed"
+    unknowns = body_unknowns(body)
     if body.mesh.dim == 3 and unknowns > LARGEST_FACTORED_SOLID:
         return "multigrid"
     return "condensed" if factor_bytes(body.mesh.dim, unknowns) < 0.5 * available_bytes() else "multigrid"
@@ -29,7 +29,7 @@ def cheapest_solver(body: Body) -> str:
 
 def refuse_if_too_large(body: Body) -> None:
     """Raise MemoryError before a factorisation that cannot fit is begun."""
-    if body_unknowns(body) <= ALWAYS_FACTORED:
+    if _is_small(body):
         return
     wanted, there = factor_bytes(body.mesh.dim, body_unknowns(body)), available_bytes()
     if wanted > there:
@@ -37,6 +37,11 @@ def refuse_if_too_large(body: Body) -> None:
             f"body {body.name!r}: factoring its {body_unknowns(body)} unknowns takes about {wanted / 2**30:.1f} GiB, "
             f"{there / 2**30:.1f} GiB are available; use local_solver='multigrid'"
         )
+
+
+def _is_small(body: Body) -> bool:
+    """Whether a body is too small to ask for the memory; mostly its cells tell, before it has a space."""
+    return body.mesh.cells * body.element.dim <= ALWAYS_FACTORED or body_unknowns(body) <= ALWAYS_FACTORED
 
 
 def body_unknowns(body: Body) -> int:

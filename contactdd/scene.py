@@ -44,7 +44,8 @@ class Scene:
         self.bodies = tuple_of("bodies", bodies, Body)
         self.contacts = tuple_of("contacts", contacts, Contact)
         self._check()
-        self.ranks = Ranks(comm, [body_unknowns(body) for body in self.bodies])
+        # One rank alone need not weigh them.
+        self.ranks = Ranks(comm, [body_unknowns(body) if comm.size > 1 else 0.0 for body in self.bodies])
         self._subproblems: dict[tuple[str, int], Subproblem] = {}
         self._read = self._parameter_values()
 
