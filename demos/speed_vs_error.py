@@ -3,7 +3,8 @@
 Every measurement is a process of its own, on one thread: mesh, assembly, solution and the pressure at nine Gauss points
 per facet, without imports and, as kernels are compiled in the first run, the best of several further ones. The error is
 the relative L2 error of p(x) against the semi-analytic reference, by the same function for all. NGSolve, scikit-fem and
-GetFEM solve the same problem with the same law and gap on the same cells where they can be imported.
+GetFEM solve the same problem with the same law and gap on the same cells where they can be imported. In contactdd's
+scenes the upper body is the lower one's mirror image, and both share what is the same, but for "nothing shared".
 """
 
 from __future__ import annotations
@@ -27,7 +28,13 @@ import contactdd as cd
 
 #: How each package is asked: the fastest way first.
 WAYS = {
-    "contactdd": ("coupled, condensed", "coupled, assembled", "decomposed, condensed", "decomposed, assembled"),
+    "contactdd": (
+        "coupled, condensed",
+        "coupled, condensed, nothing shared",
+        "coupled, assembled",
+        "decomposed, condensed",
+        "decomposed, assembled",
+    ),
     "ngsolve": ("pcg", "newton"),
     "skfem": ("pcg", "newton"),
     "getfem": ("newton",),
@@ -64,15 +71,21 @@ def cases(quick: bool) -> list[Case]:
     return chosen
 
 
-#: Degree and layout (left, middle, right, layers, ratio, ratio in depth) of graded quadrilaterals.
+#: Degree and layout (left, middle, right, layers, ratio, ratio in depth) of graded quadrilaterals: those of some hundred
+#: tried on which the error is smallest for the number of unknowns, and a few near them.
 HIGH_ORDER = (
-    (3, (1, 2, 3, 2, 2, 2)),
+    (3, (1, 1, 2, 1, 2, 2)),
+    (4, (1, 1, 2, 1, 3, 2)),
+    (5, (1, 1, 2, 1, 4, 2)),
+    (7, (1, 1, 2, 1, 4, 2)),
+    (8, (1, 1, 2, 1, 4, 2)),
     (4, (1, 2, 3, 2, 2, 3)),
-    (5, (1, 2, 3, 2, 3, 2)),
-    (5, (2, 4, 4, 3, 2, 2)),
-    (6, (2, 3, 3, 3, 3, 3)),
-    (6, (2, 4, 4, 3, 2, 3)),
-    (8, (2, 4, 4, 3, 3, 3)),
+    (5, (1, 2, 3, 2, 3, 4)),
+    (6, (1, 2, 3, 2, 3, 4)),
+    (6, (2, 3, 3, 2, 3, 4)),
+    (7, (1, 2, 3, 2, 3, 4)),
+    (7, (2, 3, 3, 2, 3, 4)),
+    (8, (2, 3, 3, 2, 3, 4)),
 )
 
 
@@ -140,20 +153,22 @@ def pressure_error(grid: Grid, pressure: np.ndarray) -> float:
 
 
 def fastest(rows: list[dict[str, Any]], level: float, solver: str) -> dict[str, Any] | None:
-    """The fastest measurement of solvers whose name begins so that reaches an error level."""
-    reached = [row for row in rows if row["solver"].startswith(solver) and row["error_l2"] <= level]
+    """The fastest measurement that reaches an error level, of the solver of that name or of all of "contactdd"."""
+    named = (row for row in rows if row["solver"] == solver or row["solver"].startswith(f"{solver}, coupled"))
+    reached = [row for row in named if row["error_l2"] <= level]
     return min(reached, key=lambda row: row["cpu_seconds"], default=None)
 
 
 def level_table(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The fastest CPU seconds to every error level, by solver, and contactdd's share of the best peer's."""
-    solvers = ["contactdd", *dict.fromkeys(row["solver"] for row in rows if not row["solver"].startswith("contactdd"))]
+    peers = dict.fromkeys(row["solver"] for row in rows if not row["solver"].startswith("contactdd"))
+    solvers = ["contactdd", "contactdd, coupled, condensed, nothing shared", *peers]
     table = []
     for level in LEVELS:
         best = {solver: fastest(rows, level, solver) for solver in solvers}
         seconds = {solver: row["cpu_seconds"] if row else None for solver, row in best.items()}
-        peers = [value for solver, value in seconds.items() if solver != "contactdd" and value is not None]
-        ratio = seconds["contactdd"] / min(peers) if peers and seconds["contactdd"] else None
+        there = [seconds[peer] for peer in peers if seconds[peer] is not None]
+        ratio = seconds["contactdd"] / min(there) if there and seconds["contactdd"] else None
         table.append({"error": level, "seconds": seconds, "ratio": ratio})
     return table
 
@@ -164,7 +179,7 @@ def print_levels(table: list[dict[str, Any]]) -> None:
     print("| error ≤ | " + " | ".join(solvers) + " | share |")
     print("|---|" + "---|" * (len(solvers) + 1))
     for row in table:
-        cells = ["–" if value is None else f"{1e3 * value:.0f}" for value in row["seconds"].values()]
+        cells = ["–" if value is None else f"{1e3 * value:.1f}" for value in row["seconds"].values()]
         share = "–" if row["ratio"] is None else f"{row['ratio']:.2f}"
         print(f"| {row['error']:.1e} | " + " | ".join(cells) + f" | {share} |")
 

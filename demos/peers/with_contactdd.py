@@ -15,10 +15,11 @@ LAYER = cd.PowerLayer(B=SOFTNESS, a=EXPONENT)
 def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
     """The groove on triangles or quadrilaterals of that degree.
 
-    way: "coupled" (Newton's method) or "decomposed" (the chord method), and the local solver: "coupled, condensed".
+    way: "coupled" (Newton's method) or "decomposed" (the chord method), the local solver, and "nothing shared" where the
+    upper mesh is to be made anew: "coupled, condensed", "coupled, condensed, nothing shared".
     """
-    method, local_solver = way.split(", ")
-    of = scene(grid, shape, degree)
+    method, local_solver, *apart = way.split(", ")
+    of = scene(grid, shape, degree, copies=not apart)
     solution = cd.solve(
         of, {"coupled": "auto", "decomposed": "chord"}[method], tolerance=TOLERANCE, local_solver=local_solver
     )
@@ -27,12 +28,16 @@ def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
     return Answer(result.pressure[np.argsort(result.x[:, 0])], unknowns, solution.iterations)
 
 
-def scene(grid: Grid, shape: str, degree: int) -> cd.Scene:
-    """Both bodies, the upper one on the mirror image of the lower one's mesh."""
+def scene(grid: Grid, shape: str, degree: int, copies: bool = True) -> cd.Scene:
+    """Both bodies, the upper one on the mirror image of the lower one's mesh, or on one that only looks like it."""
     sides = [cd.Symmetry("left", "right")]
     mesh = cd.rectangle((0, 0), (LENGTH, HEIGHT), (grid.x, HEIGHT - grid.y[::-1]), shape=shape)
-    lower, upper = (
-        cd.Body(name, each, STEEL, supports=sides, loads=[cd.Pressure("bottom", LOAD)], degree=degree)
-        for name, each in (("lower", mesh), ("upper", mesh.mirrored("y", HEIGHT)))
-    )
-    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "top"), LAYER, gap=lambda x: gap(x[0]))])
+    if copies:
+        other, bottom, top = mesh.mirrored("y", HEIGHT), "top", "bottom"
+    else:
+        corners = (0, HEIGHT), (LENGTH, 2 * HEIGHT)
+        other = cd.rectangle(*corners, (grid.x, HEIGHT + grid.y), shape=shape, diagonal="left")
+        bottom, top = "bottom", "top"
+    lower = cd.Body("lower", mesh, STEEL, supports=sides, loads=[cd.Pressure("bottom", LOAD)], degree=degree)
+    upper = cd.Body("upper", other, STEEL, supports=sides, loads=[cd.Pressure(top, LOAD)], degree=degree)
+    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, bottom), LAYER, gap=lambda x: gap(x[0]))])
