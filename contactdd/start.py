@@ -59,7 +59,7 @@ def undeformed(scene: Scene, problems: Sequence[Subproblem]) -> State:
 
 
 def together(scene: Scene, problems: Sequence[Subproblem]) -> State:
-    """No deformation, but bodies that float are moved until their contacts are about as closed as the loads will have it.
+    """No deformation, but bodies that float are moved until their contacts are about as closed as the loads want.
 
     A linear least-squares problem for the rigid motions; those that springs resist are left alone, and all are where it
     is not the loads that press: contacts that only just touch would close one after the other.

@@ -15,7 +15,7 @@ LAYER = cd.PowerLayer(B=SOFTNESS, a=EXPONENT)
 def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
     """The groove on triangles or quadrilaterals of that degree.
 
-    way: "coupled" (Newton's method) or "decomposed" (the chord method), the local solver, and "nothing shared" where the
+    way: "coupled" (Newton's method) or "decomposed" (the chord method), the local solver, and "nothing shared" if the
     upper mesh is to be made anew: "coupled, condensed", "coupled, condensed, nothing shared".
     """
     method, local_solver, *apart = way.split(", ")

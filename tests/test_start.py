@@ -1,0 +1,60 @@
+"""Where Newton's methods start: undeformed, floating bodies moved together."""
+
+from __future__ import annotations
+
+import groove
+import numpy as np
+import pytest
+
+import contactdd as cd
+from contactdd import start
+
+STEEL = cd.Isotropic(2.1e5, 0.3)
+
+
+def pair(distance: float, supports: list[object], load: float = 10.0) -> cd.Scene:
+    """A block that is held under one that is `supports`, so far above it."""
+    lower = cd.Body("lower", cd.rectangle((0, 0), (2, 1), (4, 2)), STEEL, supports=[cd.Fixed("bottom")])
+    mesh = cd.rectangle((0, 1 + distance), (2, 2 + distance), (4, 2))
+    upper = cd.Body("upper", mesh, STEEL, supports=supports, loads=[cd.Pressure("top", load)] if load else [])
+    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), groove.LAYER)])
+
+
+def test_floating_bodies_are_pressed_together():
+    scene = groove.scene()
+    problems = scene.subproblems("condensed")
+    state = start.together(scene, problems)
+    # 10 MPa on the whole contact: the law of the layer says how deep.
+    assert state.gaps[0].min() == pytest.approx(-4e-6 * 10**1.1, rel=1e-12)
+    for y, deformation in zip(state.unknowns, state.deformations, strict=True):
+        assert np.abs(deformation).max() < 1e-14 * np.abs(y).max()
+    # Both move by as much, as nothing tells them apart.
+    below, above = (problem.ports[0].trace @ y for problem, y in zip(problems, state.unknowns, strict=True))
+    assert below == pytest.approx(above, rel=1e-12)
+
+
+@pytest.mark.parametrize("distance", [0.3, 0.0, -0.01])
+def test_only_what_floats_is_moved(distance):
+    scene = pair(distance, [cd.Symmetry("left", "right")])
+    state = start.together(scene, scene.subproblems("condensed"))
+    assert np.all(state.unknowns[0] == 0.0)
+    assert state.gaps[0] == pytest.approx(-4e-6 * 10**1.1, rel=1e-9)  # 1e-13 of the distance
+    solution = cd.solve(scene)
+    assert solution.contact().force == pytest.approx(20.0, rel=1e-9)
+    assert solution.iterations <= 3
+
+
+@pytest.mark.parametrize(
+    ("supports", "load"),
+    [
+        ([cd.Fixed("top")], 0.0),
+        ([cd.Displacement("top", (0.0, -0.1))], 0.0),
+        ([cd.Symmetry("left", "right")], 0.0),  # nothing presses
+        ([cd.Symmetry("left", "right"), cd.Spring("top", 10.0)], 10.0),
+    ],
+)
+def test_what_is_held_or_not_pressed_stays(supports, load):
+    scene = pair(0.05, supports, load)
+    problems = scene.subproblems("condensed")
+    state = start.together(scene, problems)
+    assert all(np.all(y == 0.0) for y in state.unknowns)
