@@ -37,19 +37,28 @@ def escape(problems: Sequence[Subproblem], motions: RigidMotions) -> LooseBodyEr
     if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * np.linalg.norm(loads):
         return None
     closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
+    work, closes = work / np.abs(work).max(), closes / np.abs(closes).max(initial=np.finfo(float).tiny)
     # Mostly some pressures balance the loads, which is cheaper to see.
-    if (
-        scipy.optimize.nnls(closes.T / np.abs(closes).max(initial=np.finfo(float).tiny), work / np.abs(work).max())[1]
-        < 1e-10
-    ):
+    if scipy.optimize.nnls(closes.T, work)[1] < 1e-10:
         return None
-    found = scipy.optimize.linprog(
-        -work / np.abs(work).max(),
-        A_ub=closes / np.abs(closes).max(initial=np.finfo(float).tiny),
-        b_ub=np.zeros(len(closes)),
-        bounds=[(-1.0, 1.0)] * free.shape[1],
-    )
+    nothing = np.zeros(len(closes))
+    found = scipy.optimize.linprog(-work, A_ub=closes, b_ub=nothing, bounds=[(-1.0, 1.0)] * len(work))
     # The programme is solved to about 1e-7; a load that nothing balances does work of the order of one.
     if not found.success or -found.fun < 1e-6:
         return None
-    return motions.loose(free @ found.x)
+    return motions.loose(free @ _least_motion(work, closes, found.x))
+
+
+def _least_motion(work: Floats, closes: Floats, motion: Floats) -> Floats:
+    """Of the motions that do as much work and close no gap that with the least in it: whatever need not move stays.
+
+    work: (motions,) of the loads; closes: (points, motions); motion: one of them. As forwards less backwards parts, both
+    positive, a linear programme.
+    """
+    count = len(work)
+    found = scipy.optimize.linprog(
+        np.ones(2 * count),
+        A_ub=np.vstack([np.hstack([closes, -closes]), np.hstack([-work, work])]),
+        b_ub=np.append(np.zeros(len(closes)), -work @ motion),
+    )
+    return found.x[:count] - found.x[count:] if found.success else motion
