@@ -52,8 +52,8 @@ def escape(problems: Sequence[Subproblem], motions: RigidMotions) -> LooseBodyEr
 def _least_motion(work: Floats, closes: Floats, motion: Floats) -> Floats:
     """Of the motions that do as much work and close no gap that with the least in it: whatever need not move stays.
 
-    work: (motions,) of the loads; closes: (points, motions); motion: one of them. As forwards less backwards parts, both
-    positive, a linear programme.
+    work: (motions,) of the loads; closes: (points, motions); motion: one of them. A linear programme for its
+    parts forwards and backwards.
     """
     count = len(work)
     found = scipy.optimize.linprog(

@@ -19,15 +19,15 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .admissible import AdmissibleSpace
-from .affine import AffineCells, affine_cells
 from .body import Body
 from .copies import loaded_alike
 from .elimination import Elimination, Image, eliminate_cellwise, eliminate_whole
 from .factor import Factor
-from .forms import load_vector, spring_matrix, stiffness_matrix
+from .forms import load_vector
 from .interface import Interface, Side
+from .matrices import Matrices
 from .rigid import Owner, Resistance, RigidMotions, allowed_motions, orthonormal, pivots
-from .support import Spring, admissible_space
+from .support import admissible_space
 
 if TYPE_CHECKING:
     from .admissible import Operator
@@ -62,45 +62,6 @@ class Fields:
     elastic_forces: Floats
     spring_forces: Floats
     elastic_energy: float
-
-
-class Matrices:
-    """A body's stiffness: cell by cell where that pays, and as its forms give it, made when first asked for."""
-
-    def __init__(self, body: Body, space: AdmissibleSpace) -> None:
-        self._body, self._space = body, space
-        self.has_springs = any(isinstance(support, Spring) for support in body.supports)
-
-    @cached_property
-    def cells(self) -> AffineCells | None:
-        """The cells, or None where the matrix as a whole is the better way."""
-        return affine_cells(self._body)
-
-    @cached_property
-    def springs(self) -> scipy.sparse.csr_matrix:
-        """The matrix of the springs, for all degrees of freedom."""
-        return spring_matrix(self._body)
-
-    @cached_property
-    def full(self) -> scipy.sparse.csr_matrix:
-        """The matrix of a(u, v) with the springs, for all degrees of freedom."""
-        elastic = stiffness_matrix(self._body)
-        return (elastic + self.springs).tocsr() if self.has_springs else elastic
-
-    @cached_property
-    def reduced(self) -> scipy.sparse.csr_matrix:
-        """The same in the unknowns."""
-        return self._space.within(self.full)
-
-    def forces(self, u: Floats) -> Floats:
-        """a(u, ·) with the springs, of all degrees of freedom."""
-        if self.cells is None or "full" in vars(self):
-            return self.full @ u
-        return self.cells.forces(u) + self.spring_forces(u)
-
-    def spring_forces(self, u: Floats) -> Floats:
-        """What the springs do against displacements (dofs,) or (dofs, n)."""
-        return self.springs @ u if self.has_springs else np.zeros_like(u)
 
 
 class Subproblem:

@@ -32,6 +32,7 @@ WAYS = {
         "coupled, condensed",
         "coupled, condensed, nothing shared",
         "coupled, assembled",
+        "coupled, multigrid",
         "decomposed, condensed",
         "decomposed, assembled",
     ),
@@ -71,8 +72,8 @@ def cases(quick: bool) -> list[Case]:
     return chosen
 
 
-#: Degree and layout (left, middle, right, layers, ratio, ratio in depth) of graded quadrilaterals: of some hundred tried
-#: those on which the error is smallest for the number of unknowns, and a few near them.
+#: Degree and layout (left, middle, right, layers, ratio, ratio in depth) of graded quadrilaterals: of some hundred those
+#: on which the error is smallest for the number of unknowns, and a few near them.
 HIGH_ORDER = (
     (3, (1, 1, 2, 1, 2, 2)),
     (4, (1, 1, 2, 1, 3, 2)),
@@ -106,6 +107,8 @@ def too_slow(package: str, way: str, case: Case) -> bool:
     facets = (len(case.grid.x) - 1) * case.degree
     if "assembled" in way:  # refactors in every step
         return facets > 64
+    if "multigrid" in way:  # for large solids; here it only shows what it costs
+        return facets > 64 or case.degree > 2
     if package == "getfem":
         return facets > 72 or case.degree > 6
     return package == "skfem" and (case.degree > 6 or facets > (128 if way == "newton" else 256))
