@@ -72,8 +72,8 @@ def cases(quick: bool) -> list[Case]:
     return chosen
 
 
-#: Degree and layout (left, middle, right, layers, ratio, ratio in depth) of graded quadrilaterals: of some hundred those
-#: on which the error is smallest for the number of unknowns, and a few near them.
+#: Degree and layout (left, middle, right, layers, ratio, ratio in depth) of graded quadrilaterals: those of some hundred
+#: with the smallest error for their number of unknowns, and a few near them.
 HIGH_ORDER = (
     (3, (1, 1, 2, 1, 2, 2)),
     (4, (1, 1, 2, 1, 3, 2)),
