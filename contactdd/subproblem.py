@@ -450,19 +450,20 @@ def sides(place: int, interfaces: Sequence[Interface]) -> list[tuple[int, Side]]
 
 def kept_ports(sides: Sequence[tuple[int, Side]], space: AdmissibleSpace, kept: NDArray[np.intp]) -> list[Port]:
     """Where the interfaces meet the kept unknowns."""
-    some = space.columns_of(kept)
-    return [
-        Port(index, side, some(side.trace), side.trace @ space.offset, some(side.surface.trace))
-        for index, side in sides
-    ]
+    some, found = space.columns_of(kept), []
+    for index, side in sides:
+        trace = some(side.trace)
+        robin_trace = trace if side.surface.trace is side.trace else some(side.surface.trace)
+        found.append(Port(index, side, trace, side.trace @ space.offset, robin_trace))
+    return found
 
 
 def _touched(problem: Subproblem) -> NDArray[np.intp]:
     """The unknowns that a contact's normal displacements depend on and, where a body could still move rigidly with
     all of them held, every unknown of the same nodes: the inside must be a well-posed problem."""
     space = problem.space
-    dofs = [trace.indices for _, side in problem.sides for trace in (side.trace, side.surface.trace)]
-    kept = space.unknowns_at(np.concatenate(dofs))
+    traces = {id(trace): trace for _, side in problem.sides for trace in (side.trace, side.surface.trace)}
+    kept = space.unknowns_at(np.concatenate([trace.indices for trace in traces.values()]))
     if _hold(problem.motions[0][kept]):
         return kept
     dim = problem.body.mesh.dim
