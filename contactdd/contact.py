@@ -62,6 +62,11 @@ class Contact:
         self.quadrature_degree = quadrature_degree
         self.name = name or f"{first[0].name}–{second[0].name}"
 
+    @property
+    def reach(self) -> float:
+        """How far apart partners may be."""
+        return self.search_distance or min(body.mesh.size for body, _ in self.sides)
+
     def resampled(self, degree: int) -> Contact:
         """The same contact at Gauss points of another degree."""
         other = copy(self)

@@ -21,7 +21,7 @@ from .field import evaluate
 from .isometry import Isometry
 from .quadrature import Rule, rule
 from .trace import FacetPoints, facet_corners, facet_points, facet_type, normal_trace
-from .transfer import Partners, by_segments, matching_facets, matching_values
+from .transfer import Partners, by_segments, matching, matching_on
 
 Floats = NDArray[np.float64]
 
@@ -53,8 +53,8 @@ class ContactSurface:
         other.body, trace, signs = body, self.trace, isometry.signs
         other.points = self.points.turned(isometry)
         other.weights = self.areas * body.kinematics.weight(other.points.x.T)
-        values = trace.data * signs[trace.indices % len(signs)]
-        other.trace = scipy.sparse.csr_matrix((values, trace.indices, trace.indptr), shape=trace.shape)
+        other.trace = copy(trace)
+        other.trace.data = trace.data * signs[trace.indices % len(signs)]
         return other
 
     def spread(self, order: NDArray[np.intp] | None = None) -> Spread:
@@ -250,21 +250,19 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
     degree = max(body.degree for body, _ in contact.sides)
     quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
     first, second = _surfaces(contact, quadrature)
-    reach = contact.search_distance or min(first.body.mesh.size, second.body.mesh.size)
-    if facets is None:
-        facets = matching_facets(first, second, reach)
-    partner = None if facets is None else matching_values(first, second, facets)
-    if partner is None:
-        return _on_segments(contact, bodies, first, second, reach)
+    matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
+    if matched is None:
+        return _on_segments(contact, bodies, first, second)
     x, normal = first.mean(first.points.x), first.mean(first.points.normal)
-    distance = np.einsum("ij,ij->i", second.mean(second.points.x)[partner] - x, normal)
+    distance = np.einsum("ij,ij->i", matched.in_order(second.mean(second.points.x)) - x, normal)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
     given = GivenGap(first.points.x, first.average)
     shape = given.at(contact.gap)
     sides = (
         Side(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
-        Side(bodies[1], second, _rows(second.mean(second.trace).tocsr(), partner), second.spread(np.argsort(partner))),
+        Side(bodies[1], second, matched.in_order(second.mean(second.trace).tocsr()), second.spread(matched.places)),
     )
+    facets = matched.facets
     return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides, facets=facets)
 
 
@@ -279,13 +277,8 @@ def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, Conta
     return first, ContactSurface(other, opposite, quadrature)
 
 
-def _rows(matrix: scipy.sparse.csr_matrix, order: NDArray[np.intp]) -> scipy.sparse.csr_matrix:
-    """The rows of a matrix in an order, which mostly they have already: the meshes were made alike."""
-    return matrix if np.array_equal(order, np.arange(len(order))) else matrix[order]
-
-
 def _on_segments(
-    contact: Contact, bodies: tuple[int, int], first: ContactSurface, second: ContactSurface, reach: float
+    contact: Contact, bodies: tuple[int, int], first: ContactSurface, second: ContactSurface
 ) -> Interface:
     """The interface between meshes that do not match; the rule "facet" takes one value per segment."""
     if contact.quadrature == "vertex":
@@ -293,7 +286,7 @@ def _on_segments(
             f"contact {contact.name!r}: quadrature = 'vertex' needs meshes that match along the contact; "
             "expected 'gauss' or 'facet'"
         )
-    partners = by_segments(contact, first, second, reach)
+    partners = by_segments(contact, first, second, contact.reach)
     if contact.quadrature == "facet":
         values, weights = partners.mean(), np.bincount(partners.segment, partners.weights)
         member = np.unique(partners.segment, return_index=True)[1]

@@ -96,13 +96,13 @@ class Kinematics:
             return np.tile([[0.0], [1.0]], (len(x), 1, 1))
         centred = (x - x.mean(axis=0))[:, : self.dim]
         centred = centred / max(np.abs(centred).max(initial=0.0), np.finfo(float).tiny)
-        translations = [np.tile(axis, (len(x), 1)) for axis in np.eye(self.dim)]
-        rotations = []
-        for i, j in ((1, 0),) if self.dim == 2 else ((2, 1), (0, 2), (1, 0)):
-            spin = np.zeros((self.dim, self.dim))
-            spin[i, j], spin[j, i] = 1.0, -1.0
-            rotations.append(centred @ spin.T)
-        return np.stack(translations + rotations, axis=-1)
+        planes = ((1, 0),) if self.dim == 2 else ((2, 1), (0, 2), (1, 0))
+        modes = np.zeros((len(x), self.dim, self.dim + len(planes)))
+        for axis in range(self.dim):
+            modes[:, axis, axis] = 1.0
+        for rotation, (i, j) in enumerate(planes, self.dim):
+            modes[:, i, rotation], modes[:, j, rotation] = centred[:, j], -centred[:, i]
+        return modes
 
     def mirrored_modes(self, signs: NDArray[np.float64]) -> NDArray[np.float64]:
         """What the modes of a body's copy are times, (modes,), if its displacement components are times `signs`."""

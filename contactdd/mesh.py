@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from . import compat
 from .errors import finite, one_of
 from .isometry import Isometry, reflection, translation
-from .trace import facet_entities
+from .trace import facet_corners, facet_entities
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 #: The cells of a structured mesh along one axis: how many equal ones, or where they end.
@@ -135,15 +135,17 @@ class Mesh:
         # Its cells are as good as those of this mesh, unless rounding has moved their corners.
         if not np.abs(onward.signs * (image - onward.offset) - x).max() <= 1e-10 * size:
             raise ValueError(f"{asked}: so far away a mesh of the size {size:g} loses the digits of its shape")
-        copy = Mesh._sound(compat.with_coordinates(mesh.domain, image), self.surfaces)
-        vars(copy).update(_made_from=(mesh, onward), _entities=self._entities)
+        copy = Mesh._sound(compat.with_coordinates(mesh.domain, image), self.surfaces, self._entities)
+        vars(copy).update(_made_from=(mesh, onward))
         return copy
 
     @classmethod
-    def _sound(cls, domain: dmesh.Mesh, surfaces: Mapping[str, NDArray[np.int32]]) -> Mesh:
+    def _sound(
+        cls, domain: dmesh.Mesh, surfaces: Mapping[str, NDArray[np.int32]], entities: dict[str, NDArray[np.int32]]
+    ) -> Mesh:
         """A mesh in which nothing has to be looked for that could be refused."""
         mesh = object.__new__(cls)
-        vars(mesh).update(domain=domain, surfaces=surfaces)
+        vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities)
         return mesh
 
     def __repr__(self) -> str:
@@ -317,12 +319,12 @@ def _structured(
 ) -> Mesh:
     """The mesh of equal cells with its nodes moved to the given coordinates and its sides named."""
     _move(domain, lines)
-    surfaces = _sides(domain, corners, names)
+    surfaces, entities = _sides(domain, corners, names)
     steps = np.concatenate([line[1:] - line[:-1] for line in lines])
     shortest = steps.min()
     # Boxes that are not flat, and not so small that they are lost in the rounding of coordinates, are good cells.
     sound = shortest > 1e-4 * steps.max() and shortest > 1e-8 * np.abs(corners).max()
-    return Mesh._sound(domain, surfaces) if sound else Mesh(domain, surfaces)
+    return Mesh._sound(domain, surfaces, entities) if sound else Mesh(domain, surfaces)
 
 
 def _move(domain: dmesh.Mesh, lines: list[NDArray[np.float64]]) -> None:
@@ -337,15 +339,17 @@ def _move(domain: dmesh.Mesh, lines: list[NDArray[np.float64]]) -> None:
 
 def _sides(
     domain: dmesh.Mesh, corners: list[NDArray[np.float64]], names: Sequence[tuple[str, str]]
-) -> dict[str, NDArray[np.int32]]:
-    """The facets on the sides of a box, `names` those of its lower and its upper side across each axis."""
+) -> tuple[dict[str, NDArray[np.int32]], dict[str, NDArray[np.int32]]]:
+    """The facets on the sides of a box and their (cell, local facet); `names`: its lower and upper side by axis."""
     dim = domain.topology.dim
     domain.topology.create_connectivity(dim - 1, dim)
     facets = dmesh.exterior_facet_indices(domain.topology)  # sorted
-    x = domain.geometry.x[dmesh.entities_to_geometry(domain, dim - 1, facets, False)][:, :, :dim]
+    entities = facet_entities(domain, facets)
+    x = facet_corners(domain, entities)
     tolerance = 1e-10 * max(corners[1] - corners[0])  # coordinates of a structured mesh, to rounding
     on_side = [np.abs(x - corner).max(axis=1) <= tolerance for corner in corners]
-    return {name: facets[on_side[end][:, axis]] for axis, pair in enumerate(names) for end, name in enumerate(pair)}
+    where = {name: on_side[end][:, axis] for axis, pair in enumerate(names) for end, name in enumerate(pair)}
+    return {name: facets[here] for name, here in where.items()}, {name: entities[here] for name, here in where.items()}
 
 
 def _mark(domain: dmesh.Mesh, markers: Mapping[str, Marker]) -> dict[str, NDArray[np.int32]]:

@@ -185,9 +185,8 @@ def allowed_motions(modes: Floats, space: AdmissibleSpace) -> tuple[Floats, Floa
     unknowns = space.restricted(modes)
     prevented = modes - space.extended(unknowns)
     prevented = prevented[np.any(prevented, axis=1)]
-    _, singular, right = np.linalg.svd(
-        np.vstack([prevented, np.zeros_like(prevented.T @ prevented)]), full_matrices=False
-    )
+    count = modes.shape[1]
+    _, singular, right = np.linalg.svd(np.concatenate([prevented, np.zeros((count, count))]), full_matrices=False)
     allowed = right[singular <= 1e-8 * np.linalg.norm(modes)].T
     return orthonormal(unknowns @ allowed, allowed)
 
@@ -195,4 +194,5 @@ def allowed_motions(modes: Floats, space: AdmissibleSpace) -> tuple[Floats, Floa
 def orthonormal(modes: Floats, *combined: Floats) -> tuple[Floats, ...]:
     """An orthonormal set with the same span, and other matrices (n, motions) combined in the same way."""
     q, r = np.linalg.qr(modes)
-    return q, *(other @ np.linalg.inv(r) for other in combined)
+    inverse = np.linalg.inv(r)
+    return q, *(other @ inverse for other in combined)

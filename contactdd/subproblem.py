@@ -373,13 +373,10 @@ class CondensedSubproblem(Subproblem):
         return self._inner.displacement(self._inside.extended(y, self._inner.load))
 
     def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
-        hidden = np.ones(self.space.size, dtype=bool)
-        hidden[self.kept] = False
-        if np.any(hidden[self.space.unknowns_at(operator.indices)]):
-            return None
-        known = np.zeros(self.space.size)
-        known[self.kept] = y
-        return super().seen(known, operator)
+        unknowns = np.full(self.space.size, np.nan)  # the inside is not known, nor is what depends on it
+        unknowns[self.kept] = y
+        seen = super().seen(unknowns, operator)
+        return None if np.isnan(seen).any() else seen
 
     @cached_property
     def nodal_trace(self) -> scipy.sparse.csr_matrix:

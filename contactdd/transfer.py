@@ -11,7 +11,7 @@ the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import basix
 import numpy as np
@@ -69,11 +69,54 @@ class Partners:
         return np.bincount(self.facets[side], self.weights / slope, count)
 
 
-def matching_facets(first: ContactSurface, second: ContactSurface, reach: float) -> Indices | None:
+@dataclass(frozen=True)
+class Matching:
+    """Two surfaces whose facets lie opposite each other one to one.
+
+    facets: the second's opposite each of the first's; values: likewise, or None where they are in the same order.
+    """
+
+    facets: Indices
+    values: Indices | None = None
+
+    def in_order(self, rows: Any) -> Any:
+        """What belongs to the second surface's values, the rows of an array or a matrix, in the order of the first's."""
+        return rows if self.values is None else rows[self.values]
+
+    @property
+    def places(self) -> Indices | None:
+        """Where the second surface's values stand in the order of the first's; None where they have it already."""
+        return None if self.values is None else np.argsort(self.values)
+
+
+def matching(first: ContactSurface, second: ContactSurface, reach: float) -> Matching | None:
+    """How two surfaces no further apart than `reach` match, or None if they do not."""
+    if _in_order(first, second, reach):
+        return Matching(np.arange(len(first.facets)))
+    facets = _matching_facets(first, second, reach)
+    return None if facets is None else matching_on(first, second, facets)
+
+
+def matching_on(first: ContactSurface, second: ContactSurface, facets: Indices) -> Matching | None:
+    """How the values match on facets that do, or None if one has none that lies opposite.
+
+    facets: the second surface's opposite each of the first's.
+    """
+    if first.rule.name == "facet":
+        return Matching(facets, facets)
+    dim, n = first.body.mesh.dim, len(first.facets)
+    if np.array_equal(facets, np.arange(n)) and _in_order(first, second, np.inf):
+        return Matching(facets)
+    here, there, normal = (part.reshape(n, -1, dim) for part in (first.points.x, second.points.x, first.points.normal))
+    offsets = _offsets(here, there[facets], normal)
+    if offsets.min(axis=2).max() > _tolerance(first):
+        return None
+    return Matching(facets, (facets[:, None] * first.per_facet + offsets.argmin(axis=2)).ravel())
+
+
+def _matching_facets(first: ContactSurface, second: ContactSurface, reach: float) -> Indices | None:
     """The second surface's facet that lies opposite each of the first's, or None if the meshes do not match there."""
     dim, n = first.body.mesh.dim, len(first.facets)
-    if _in_order(first, second, reach):
-        return np.arange(n)
     if len(second.facets) != n or first.corners.shape != second.corners.shape:
         return None
     middles = [side.points.x.reshape(n, -1, dim).sum(axis=1) / side.per_facet for side in (first, second)]
@@ -85,20 +128,6 @@ def matching_facets(first: ContactSurface, second: ContactSurface, reach: float)
         return None
     offsets = _offsets(first.corners, second.corners[facet], normal[:, :1])
     return facet if offsets.min(axis=2).max() <= _tolerance(first) else None
-
-
-def matching_values(first: ContactSurface, second: ContactSurface, facet: Indices) -> Indices | None:
-    """The second surface's value that lies opposite each of the first's, on facets that do, or None if one has none."""
-    if first.rule.name == "facet":
-        return facet
-    dim, n = first.body.mesh.dim, len(first.facets)
-    if np.array_equal(facet, np.arange(n)) and _in_order(first, second, np.inf):
-        return np.arange(len(first.points.x))
-    here, there, normal = (part.reshape(n, -1, dim) for part in (first.points.x, second.points.x, first.points.normal))
-    offsets = _offsets(here, there[facet], normal)
-    if offsets.min(axis=2).max() > _tolerance(first):
-        return None
-    return (facet[:, None] * first.per_facet + offsets.argmin(axis=2)).ravel()
 
 
 def _in_order(first: ContactSurface, second: ContactSurface, reach: float) -> bool:

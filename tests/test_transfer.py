@@ -129,7 +129,7 @@ def test_segments_of_matching_meshes_are_their_facets(dim, quadrature, monkeypat
     matching = pressed(*meshes, quadrature=quadrature, gap=groove)
     cut = pressed(*meshes, quadrature=quadrature, gap=groove)
     expected = newton(matching).contact()
-    monkeypatch.setattr("contactdd.interface.matching_facets", lambda *_: None)
+    monkeypatch.setattr("contactdd.interface.matching", lambda *_: None)
     found = newton(cut).contact()
     places = nearest(expected.x, found.x)
     assert len(found.x) == len(expected.x)
