@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from copy import copy
 from functools import cache
 from typing import Any
 
@@ -89,7 +88,7 @@ def structured(
         mesh = cpp.mesh.create_rectangle_float64(MPI.COMM_SELF, corners, counts, cell, None, diagonal)
     else:
         mesh = cpp.mesh.create_box_float64(MPI.COMM_SELF, corners, counts, cell, None)
-    return dmesh.Mesh(mesh, _another(_straight_domain(cell)))
+    return dmesh.Mesh(mesh, ufl.Mesh(_straight_element(cell)))
 
 
 def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
@@ -103,19 +102,9 @@ def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
 
 
 @cache
-def _straight_domain(cell: dmesh.CellType) -> ufl.Mesh:
-    """UFL's object of some mesh with the coordinate element that dolfinx gives to structured meshes."""
-    return ufl.Mesh(_sample(cell).ufl_domain().ufl_coordinate_element())
-
-
-def _another(domain: ufl.Mesh) -> ufl.Mesh:
-    """UFL's object of another mesh with the same coordinate element.
-
-    A copy with a number of its own, as UFL would make all the cell's edges and vertices anew to find its dimension.
-    """
-    other = copy(domain)
-    other._ufl_id = other._init_ufl_id(None)
-    return other
+def _straight_element(cell: dmesh.CellType) -> Any:
+    """The coordinate element that dolfinx gives to structured meshes."""
+    return _sample(cell).ufl_domain().ufl_coordinate_element()
 
 
 @cache
@@ -137,7 +126,7 @@ def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64]) -> dmesh.Mesh:
     element, dofmap = (old.cmaps[0], old.dofmaps[0]) if VERSION >= (0, 11) else (old.cmap, old.dofmap)
     new = cpp.mesh.Geometry_float64(old.index_map(), dofmap, element, x, old.input_global_indices)
     mesh = cpp.mesh.Mesh_float64(domain.comm, domain.topology._cpp_object, new)
-    return dmesh.Mesh(mesh, _another(domain.ufl_domain()))
+    return dmesh.Mesh(mesh, ufl.Mesh(domain.ufl_domain().ufl_coordinate_element()))
 
 
 def gmsh_model_to_mesh(model: Any, comm: Any, rank: int, gdim: int) -> tuple[dmesh.Mesh, Any, Any, dict[str, Any]]:
