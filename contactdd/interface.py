@@ -277,9 +277,7 @@ def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, Conta
     return first, ContactSurface(other, opposite, quadrature)
 
 
-def _on_segments(
-    contact: Contact, bodies: tuple[int, int], first: ContactSurface, second: ContactSurface
-) -> Interface:
+def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurface, second: ContactSurface) -> Interface:
     """The interface between meshes that do not match; the rule "facet" takes one value per segment."""
     if contact.quadrature == "vertex":
         raise MeshMismatchError(
