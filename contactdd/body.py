@@ -20,7 +20,7 @@ from .load import Load
 from .material import Material
 from .mesh import Mesh
 from .support import Spring, Support
-from .trace import facet_points
+from .trace import surface_points
 
 Floats = NDArray[np.float64]
 
@@ -131,9 +131,7 @@ class Body:
         cell = compat.coordinate_map(self.mesh.domain).cell_type
         facet = basix.cell.subentity_types(cell)[self.mesh.dim - 1][0]
         points, weights = basix.make_quadrature(facet, self.area_metadata["quadrature_degree"])
-        at = facet_points(
-            self.mesh.domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1))
-        )
+        at = surface_points(self.mesh.domain, entities, points)
         return float(np.sum(np.tile(weights, len(entities)) * at.area * self.kinematics.weight(at.x.T)))
 
     @property

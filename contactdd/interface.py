@@ -20,7 +20,7 @@ from .errors import MeshMismatchError
 from .field import evaluate
 from .isometry import Isometry
 from .quadrature import Rule, rule
-from .trace import FacetPoints, facet_corners, facet_points, facet_type, normal_trace
+from .trace import FacetPoints, facet_corners, facet_type, normal_trace, surface_points
 from .transfer import Partners, by_segments, matching, matching_on
 
 Floats = NDArray[np.float64]
@@ -37,12 +37,10 @@ class ContactSurface:
     def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
         self.body, self.surface, self.rule = body, surface, quadrature
         self.facets = body.mesh.facets(surface)
-        self.entities = entities = body.mesh.entities(surface)
+        self.entities = body.mesh.entities(surface)
         points, weights = quadrature.points(facet_type(body.mesh.domain))
         self.per_facet = len(points)
-        self.points = facet_points(
-            body.mesh.domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1))
-        )
+        self.points = surface_points(body.mesh.domain, self.entities, points)
         self.areas = (self.points.area.reshape(-1, len(points)) * weights).ravel()
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = normal_trace(body.space, self.points)
@@ -99,7 +97,7 @@ class ContactSurface:
     @cached_property
     def middles(self) -> FacetPoints:
         """The middle of every facet."""
-        return facet_points(self.body.mesh.domain, self.entities, np.tile(self.centre, (len(self.entities), 1)))
+        return surface_points(self.body.mesh.domain, self.entities, self.centre[None])
 
     @cached_property
     def nodal_trace(self) -> scipy.sparse.csr_matrix:
@@ -108,8 +106,7 @@ class ContactSurface:
         nodes = basix.create_element(
             basix.ElementFamily.P, facet_type(domain), self.body.degree, basix.LagrangeVariant.equispaced
         ).points
-        entities = np.repeat(self.entities, len(nodes), axis=0)
-        points = facet_points(domain, entities, np.tile(nodes, (len(self.facets), 1)))
+        points = surface_points(domain, self.entities, nodes)
         size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
         _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)
         return normal_trace(self.body.space, points)[np.sort(first)]

@@ -17,7 +17,7 @@ from .errors import one_of, positive
 from .field import Field, coefficient, evaluate
 from .material import Number
 from .parameter import fixed_number
-from .trace import facet_points
+from .trace import surface_points
 
 if TYPE_CHECKING:
     from .body import Body
@@ -212,13 +212,13 @@ def _plane_normals(body: Body, surfaces: Sequence[str]) -> Iterator[tuple[str, F
     if not surfaces:
         return
     entities = [body.mesh.entities(surface) for surface in surfaces]
-    middle = np.full((sum(map(len, entities)), body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
-    normals = facet_points(body.mesh.domain, np.concatenate(entities), middle).normal
+    middle = np.full((1, body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
+    normals = surface_points(body.mesh.domain, np.concatenate(entities), middle).normal
     end = 0
     for surface, pairs in zip(surfaces, entities, strict=True):
         start, end = end, end + len(pairs)
-        mean = normals[start:end].mean(axis=0)
-        mean /= max(float(np.linalg.norm(mean)), 1e-300)
+        total = normals[start:end].sum(axis=0)
+        mean = total / max(float(np.sqrt(total @ total)), 1e-300)
         if np.abs(normals[start:end] - mean).max() > 1e-8:  # a file may have rounded coordinates to eight digits
             raise ValueError(
                 f"surface = {surface!r} of body {body.name!r}: expected a flat surface for a symmetry plane"

@@ -66,6 +66,11 @@ def facet_points(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats
     return FacetPoints(entities[:, 0], reference, x, normal, frame.areas[local] * length)
 
 
+def surface_points(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> FacetPoints:
+    """The same points (p, dim − 1) of the reference facet on each of the facets `entities` (n, 2), facet by facet."""
+    return facet_points(domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1)))
+
+
 def facet_map(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> tuple[Floats, Floats]:
     """x (n, dim) and its derivatives (n, dim, dim − 1) by the reference facet's coordinates, one point per facet."""
     frame, local = _reference_facets(compat.coordinate_map(domain).cell_type), entities[:, 1]

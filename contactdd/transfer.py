@@ -80,7 +80,7 @@ class Matching:
     values: Indices | None = None
 
     def in_order(self, rows: Any) -> Any:
-        """What belongs to the second surface's values, the rows of an array or a matrix, in the order of the first's."""
+        """Rows of an array or a matrix, one for each of the second surface's values, in the order of the first's."""
         return rows if self.values is None else rows[self.values]
 
     @property
