@@ -40,13 +40,7 @@ class CoupledSystem:
         condensed = all(isinstance(problem.stiffness, np.ndarray) for problem in problems)
         self._dense = condensed and self._size <= LARGEST_DENSE
         if factored:
-            blocks = [problem.stiffness for problem in problems]
-            if self._dense:
-                self._stiffness = scipy.linalg.block_diag(*blocks)
-            else:
-                self._stiffness = scipy.sparse.block_diag(
-                    [scipy.sparse.csr_matrix(block) for block in blocks], format="csr"
-                )
+            self._stiffness = self._dense_stiffness() if self._dense else self._sparse_stiffness()
         self._sums = [self._sum_of_traces(index) for index in range(len(interfaces))]
         self.rigid = joint_motions(problems, interfaces)
 
@@ -84,6 +78,16 @@ class CoupledSystem:
         for index, total in enumerate(self._sums):
             matrix = matrix + total.T @ scipy.sparse.diags(self._interfaces[index].weights * phi[index]) @ total
         return Factor(matrix.tocsr()).solve(rhs)
+
+    def _dense_stiffness(self) -> Floats:
+        stiffness = np.zeros((self._size, self._size))
+        for problem, part in zip(self._problems, self._parts, strict=True):
+            stiffness[part, part] = problem.stiffness
+        return stiffness
+
+    def _sparse_stiffness(self) -> scipy.sparse.csr_matrix:
+        blocks = [scipy.sparse.csr_matrix(problem.stiffness) for problem in self._problems]
+        return scipy.sparse.block_diag(blocks, format="csr")
 
     @cached_property
     def _maps(self) -> dict[int, tuple[NDArray[np.intp], scipy.sparse.csr_matrix]]:

@@ -81,7 +81,7 @@ class Ending:
 class Run:
     """One run: the iterate `state` and the `history`.
 
-    history, memory: of an earlier run that this one goes on from.
+    linear: the linear problem of an iteration; history, memory: of an earlier run that this one goes on from.
     """
 
     def __init__(
@@ -89,18 +89,19 @@ class Run:
         scene: Scene,
         scheme: Scheme,
         problems: Sequence[Subproblem],
+        linear: Step,
         state: State,
         history: History | None = None,
         memory: Sequence[Floats] = (),
     ) -> None:
-        self.scene, self.scheme, self.problems, self.state = scene, scheme, problems, state
+        self.scene, self.scheme, self.problems, self.linear, self.state = scene, scheme, problems, linear, state
         self.history = History() if history is None else history
         self.anderson = Anderson() if scheme.accelerated else None
         if self.anderson is not None:
             self.anderson.memory = memory
-        self.linear, self._note = _step(scheme, problems, scene)
         self._points = [interface.x.T for interface in scene.interfaces]
         self._size = max(body.mesh.size for body in scene.bodies)
+        self._loads = norm([problem.load for problem in problems])
         stiffest = max(problem.rigid.largest for problem in problems)  # and the φ that is as stiff as that
         self._stiffest = [stiffest / interface.weights for interface in scene.interfaces]
         self._first_force = 0.0
@@ -123,8 +124,9 @@ class Run:
                     "diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}"
                 )
             tractions = self.scene.tractions(self.state.gaps)
-            residuals = self._residuals(tractions)
-            scale = self._scale(residuals, tractions)
+            contact = self._contact_forces(tractions)
+            residuals = self._residuals(contact)
+            scale = self._scale(residuals, contact)
             residual = self.scene.ranks.agree(norm(residuals) / scale if scale > 0.0 else 0.0)
             distance = rule.distance(residual, last)
             reached = f"residual {residual:.2e}" + (f", change {last.change:.2e}" if last else "")
@@ -137,7 +139,7 @@ class Run:
             if k == rule.most:
                 break
             try:
-                last = self._iteration(k + 1, next(gammas), residuals, scale, residual)
+                last = self._iteration(k + 1, next(gammas), tractions, residuals, scale, residual)
             except LooseBodyError as error:
                 return self._ending("diverged", f"{error} in iteration {k + 1}")
             except StopIteration:
@@ -157,18 +159,26 @@ class Run:
             last = record
         return best, best_at
 
-    def _iteration(self, k: int, gamma: float | None, residuals: list[Floats], scale: float, residual: float) -> Record:
+    def _iteration(
+        self,
+        k: int,
+        gamma: float | None,
+        tractions: list[Floats],
+        residuals: list[Floats],
+        scale: float,
+        residual: float,
+    ) -> Record:
         """One iteration (16), (25)."""
         state, phi = self.state, self._coefficients()
         energy = self.scene.energy(self.problems, state)
         corrections, phi, note = self._corrections(
             phi, residuals, scale, survive=gamma is None or self.anderson is not None
         )
-        length = self._search(corrections, residuals) if gamma is None else gamma
+        length = self._search(corrections, tractions, residuals) if gamma is None else gamma
         if self.anderson is None:
             steps = [length * delta for delta in corrections]
         else:
-            steps, restart = self._accelerated(corrections, residuals, length, energy)
+            steps, restart = self._accelerated(corrections, tractions, residuals, length, energy)
             note = ", ".join(filter(None, (note, restart)))
         contact = sum(float(i.weights @ (z < 0)) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
         self.state = self._moved(self.scene.ranks.agree(steps))
@@ -183,7 +193,7 @@ class Run:
             phi_max=max(float(values.max()) for values in phi.values()),
             body_solves=self.linear.body_solves,
             seconds=time.process_time() - self._began,
-            note=", ".join(filter(None, (self._note if k == 1 else "", note))),
+            note=", ".join(filter(None, (self.linear.note if k == 1 else "", note))),
         )
 
     def _coefficients(self) -> dict[int, Floats]:
@@ -231,7 +241,12 @@ class Run:
         return {index: np.maximum(values, np.minimum(soft, self._stiffest[index])) for index, values in phi.items()}
 
     def _accelerated(
-        self, corrections: list[Floats], residuals: list[Floats], gamma: float, energy: float
+        self,
+        corrections: list[Floats],
+        tractions: list[Floats],
+        residuals: list[Floats],
+        gamma: float,
+        energy: float,
     ) -> tuple[list[Floats], str]:
         """Anderson's step, or the best plain one where that would raise the energy."""
         y = np.concatenate(self.state.unknowns)
@@ -243,7 +258,7 @@ class Run:
         if np.isfinite(reached) and reached <= energy + 1e-12 * abs(energy):
             return steps, ""
         self.anderson.restart()
-        best = self._search(corrections, residuals)
+        best = self._search(corrections, tractions, residuals)
         return [best * delta for delta in corrections], "restarted: the energy would have risen"
 
     def _moved(self, steps: Sequence[Floats]) -> State:
@@ -254,20 +269,23 @@ class Run:
         ]
         return State(unknowns, deformations, self.scene.gaps(self.problems, unknowns), self.state.gaps)
 
-    def _residuals(self, tractions: list[Floats]) -> list[Floats]:
-        """−F₁'(u) of every body."""
-        return [p.residual(e, tractions) for p, e in zip(self.problems, self.state.deformations, strict=True)]
+    def _contact_forces(self, tractions: list[Floats]) -> list[list[Floats]]:
+        """What every contact of every body does to its unknowns."""
+        return [[port.trace.T @ tractions[port.interface] for port in problem.ports] for problem in self.problems]
 
-    def _scale(self, residuals: list[Floats], tractions: list[Floats]) -> float:
+    def _residuals(self, contact: list[list[Floats]]) -> list[Floats]:
+        """−F₁'(u) of every body: loads and contact forces less the elastic forces."""
+        bodies = zip(self.problems, self.state.deformations, contact, strict=True)
+        return [sum(forces, p.load - p.stiffness @ deformation) for p, deformation, forces in bodies]
+
+    def _scale(self, residuals: list[Floats], contact: list[list[Floats]]) -> float:
         """The size of the forces at work: loads and contact forces, or the first residual where there are none."""
-        forces = [problem.load for problem in self.problems]
-        forces += [port.trace.T @ tractions[port.interface] for problem in self.problems for port in problem.ports]
-        size = norm(forces)
+        size = math.hypot(self._loads, *map(norm, contact))
         if size == 0.0:
             self._first_force = size = max(self._first_force, norm(residuals))
         return size
 
-    def _search(self, corrections: Sequence[Floats], residuals: Sequence[Floats]) -> float:
+    def _search(self, corrections: Sequence[Floats], tractions: Sequence[Floats], residuals: Sequence[Floats]) -> float:
         """γ^k that minimises F₁ along the corrections.
 
         The slope takes the growth of the layers' work; near the minimum, where that cancels, by divided differences.
@@ -276,12 +294,13 @@ class Run:
         parts = [p.deformation(delta) for p, delta in zip(self.problems, corrections, strict=True)]
         elastic = sum(float(e @ (p.stiffness @ e)) for p, e in zip(self.problems, parts, strict=True))
         moves = self.scene.closing(self.problems, corrections)
+        works = [move * traction for move, traction in zip(moves, tractions, strict=True)]
+        work = sum(float(part.sum()) for part in works)
+        cancels = descent < CANCELLED * sum(float(np.abs(part).sum()) for part in works)
         contacts = [
             (interface.contact.layer, z, move, interface.weights * move)
             for interface, z, move in zip(self.scene.interfaces, self.state.gaps, moves, strict=True)
         ]
-        works = np.concatenate([weighted * layer.contact_stress(z) for layer, z, _, weighted in contacts])
-        work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
 
         def growth(t: float) -> float:
             """How much more the layers resist the corrections at t than at 0."""
@@ -295,7 +314,7 @@ class Run:
         """The largest relative change of a body's u_n; to be asked after the move."""
         largest = 0.0
         for problem, step, y in zip(self.problems, steps, self.state.unknowns, strict=True):
-            moved, size = (norm([u_n]) for u_n in problem.normal_displacements(step, y, self._at_nodes))
+            moved, size = (math.sqrt(u_n @ u_n) for u_n in problem.normal_displacements(step, y, self._at_nodes))
             largest = max(largest, moved / size if size > 0.0 else float(moved > 0.0))
         return largest
 
@@ -312,7 +331,7 @@ class Run:
         Along a motion that lowers the energy for ever contact forces do no negative work. So the residual is at least
         what the loads do there, and a small one excludes such a motion; a coarse rule has to ask for it.
         """
-        if residual <= BALANCED * norm([problem.load for problem in self.problems]):
+        if residual <= BALANCED * self._loads:
             return Ending("converged", reason)
         return self._ending("converged", reason)
 
@@ -327,15 +346,15 @@ def norm(vectors: Sequence[Floats]) -> float:
     return math.sqrt(sum(float(v @ v) for v in vectors))
 
 
-def _step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> tuple[Step, str]:
-    """The kind of linear problem that the scheme asks for, and why it was chosen where the scheme leaves it open."""
+def find_step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> Step:
+    """The kind of linear problem that the scheme asks for, or the one that suits the scene where it leaves it open."""
     if scheme.step == "apart":
-        return Apart(problems, scene.interfaces, scene.ranks), ""
+        return Apart(problems, scene.interfaces, scene.ranks)
     unknowns = sum(problem.size for problem in problems)
     entries = sum(problem.size**2 for problem in problems)
     small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridSubproblem) for p in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {unknowns} unknowns factored" if scheme.step == "auto" else ""
-        return Direct(problems, scene.interfaces), note
+        return Direct(problems, scene.interfaces, note)
     note = f"auto: Newton with Krylov steps, {unknowns} unknowns" if scheme.step == "auto" else ""
-    return Krylov(problems, scene.interfaces, scene.ranks), note
+    return Krylov(problems, scene.interfaces, scene.ranks, note)

@@ -64,7 +64,8 @@ class Layer(ABC):
 
     def contact_stress(self, z: ArrayLike) -> Array:
         """g⁻(z), the contact stress at the gap z: g(z) where z < 0, else 0 (stress, ≤ 0), eq. (14)."""
-        return self._where_closed(z, lambda c: -self._pressure(c))
+        z = np.asarray(z, dtype=float)
+        return np.asarray(0.0 - self._pressure(np.maximum(-z, 0.0)))  # p(0) = 0; less it, not minus it: no -0
 
     def contact_derivative(self, z: ArrayLike) -> Array:
         """χ g'(z), χ = 1 where z < 0, else 0 (stress / length, ≥ 0), eqs (17)-(19)."""

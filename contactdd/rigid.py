@@ -6,6 +6,7 @@ another): the linear problem is then solved with that motion held. Where they do
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -84,14 +85,11 @@ class RigidMotions:
         if count == 0:
             return np.zeros((0, 0))
         roots = [contact.root(phi) for contact in self.contacts]
-        held = self.elastic + sum(root.T @ root for root in roots)
-        most = float(np.abs(held).max())
-        if most == 0.0:
-            return np.eye(count)
+        held = sum((root.T @ root for root in roots), self._steadied)
         # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
-        limit = 1e-14 * max(self.largest, most)
+        limit = 1e-14 * max(self.largest, float(np.abs(held).max()))
         # Mostly the contacts hold all that they ever could.
-        if _smallest(held + self.largest * (self._idle @ self._idle.T)) > limit:
+        if _smallest(held) > limit:
             return self._idle
         # The roots give the free motions; their squares would mix in held ones by the rounding of the stiffest layer.
         springs, directions = np.linalg.eigh(self.elastic)
@@ -106,16 +104,18 @@ class RigidMotions:
         return self.neutral[:, : 0 if np.any(np.abs(answer) > 1e-14 * self.largest) else None]
 
     @cached_property
+    def _steadied(self) -> Floats:
+        """What springs give the motions, with the idle ones held."""
+        return self.elastic + self.largest * (self._idle @ self._idle.T)
+
+    @cached_property
     def neutral(self) -> Floats:
         """The motions that change no gap and meet no spring, open or closed, (motions, neutral): nothing depends on
         them."""
-        count = self.modes.shape[1]
         springs = np.linalg.norm(self.springs, axis=0) / max(self.largest, np.finfo(float).tiny)
         rows = np.vstack([np.diag(springs)] + [contact.rows for contact in self.contacts])
-        _, singular, motions = np.linalg.svd(np.linalg.qr(rows, mode="r"))
-        kept = np.zeros(count, dtype=bool)
-        kept[: len(singular)] = singular > 1e-10 * singular.max(initial=np.finfo(float).tiny)
-        return motions[~kept].T
+        _, singular, motions = np.linalg.svd(rows, full_matrices=False)
+        return motions[singular <= 1e-10 * singular.max(initial=np.finfo(float).tiny)].T
 
     def ground(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
         """Unknowns to hold so that no motion is free, none if none is.
@@ -164,7 +164,12 @@ def joint_motions(problems: Sequence[Subproblem], interfaces: Sequence[Interface
 
 def _smallest(matrix: Floats) -> float:
     """The smallest eigenvalue of a symmetric matrix."""
-    return float(matrix[0, 0] if len(matrix) == 1 else np.linalg.eigvalsh(matrix)[0])
+    if len(matrix) == 1:
+        return float(matrix[0, 0])
+    if len(matrix) == 2:
+        (a, b), (_, d) = matrix.tolist()
+        return 0.5 * (a + d) - math.hypot(0.5 * (a - d), b)
+    return float(np.linalg.eigvalsh(matrix)[0])
 
 
 def pivots(motions: Floats) -> NDArray[np.intp]:

@@ -12,11 +12,12 @@ from . import start as starts
 from .checkpoint import Keeper, read
 from .errors import NoEquilibriumError, NotConvergedError, one_of, positive
 from .history import Record
-from .iteration import Rule, Run
+from .iteration import Rule, Run, find_step
 from .progress import Progress
 from .scene import Scene
 from .scheme import Scheme, find_scheme
 from .solution import Solution
+from .step import Step
 from .subproblem import Subproblem
 
 Gamma = float | Iterable[float] | Callable[[int], float] | str
@@ -75,11 +76,12 @@ def solve(
     relaxation = _relaxation(gamma, scheme)
     rule = _rule(tolerance, criterion, max_iterations, scheme)
     problems = scene.subproblems(local_solver)
+    linear = find_step(scheme, problems, scene)
     if checkpoint is not None and resume and Path(checkpoint).exists():
         state, history, memory = read(checkpoint, scene, problems, scheme.name)
-        run = Run(scene, scheme, problems, state, history, memory)
+        run = Run(scene, scheme, problems, linear, state, history, memory)
     else:
-        run = Run(scene, scheme, problems, _start(scene, problems, scheme, gamma, start, previous))
+        run = Run(scene, scheme, problems, linear, _start(scene, problems, scheme, linear, gamma, start, previous))
     keeper = Keeper(checkpoint, positive("checkpoint_every", checkpoint_every), run)
     with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
         deadline = math.inf if time_limit is None else time.monotonic() + positive("time_limit", time_limit)
@@ -125,6 +127,7 @@ def _start(
     scene: Scene,
     problems: Sequence[Subproblem],
     scheme: Scheme,
+    linear: Step,
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
     previous: starts.Given | None,
@@ -136,4 +139,4 @@ def _start(
         return starts.from_contacts(scene, problems, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
     guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.together(scene, problems) if guarded else starts.closed(scene, problems)
+    return starts.together(scene, problems, linear.rigid) if guarded else starts.closed(scene, problems)

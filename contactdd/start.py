@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from .errors import finite
 from .field import evaluate
-from .rigid import joint_motions
+from .rigid import RigidMotions
 from .subproblem import Subproblem
 
 if TYPE_CHECKING:
@@ -58,13 +59,14 @@ def undeformed(scene: Scene, problems: Sequence[Subproblem]) -> State:
     return _state(scene, problems, [np.zeros(problem.size) for problem in problems])
 
 
-def together(scene: Scene, problems: Sequence[Subproblem]) -> State:
+def together(scene: Scene, problems: Sequence[Subproblem], motions: RigidMotions) -> State:
     """No deformation, but bodies that float are moved until their contacts are about as closed as the loads want.
 
     A linear least-squares problem for the rigid motions; those that springs resist are left alone, and all are where it
     is not the loads that press: contacts that only just touch would close one after the other.
+
+    motions: the free rigid motions of all bodies together.
     """
-    motions = joint_motions(problems, scene.interfaces)
     floating = ~np.any(motions.springs, axis=0)
     compressions = _compressions(scene, problems)
     if not np.any(floating) or not np.any(compressions) or any(np.any(problem.space.offset) for problem in problems):
@@ -73,7 +75,10 @@ def together(scene: Scene, problems: Sequence[Subproblem]) -> State:
     wanted = np.concatenate([np.sqrt(i.weights) * (i.gap.min() - w) for i, w in contacts])
     closing = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
     unknowns = motions.modes[:, floating] @ np.linalg.lstsq(closing, wanted, rcond=1e-10)[0]
-    return _state(scene, problems, np.split(unknowns, np.cumsum([problem.size for problem in problems])[:-1]))
+    ends = itertools.accumulate(problem.size for problem in problems)
+    return _state(
+        scene, problems, [unknowns[end - problem.size : end] for problem, end in zip(problems, ends, strict=True)]
+    )
 
 
 def closed(scene: Scene, problems: Sequence[Subproblem]) -> State:

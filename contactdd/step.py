@@ -24,10 +24,12 @@ Phi = Mapping[int, Floats]
 class Step(Protocol):
     """One kind of linear problem.
 
-    body_solves: how many solves of single bodies there have been; rigid: the free rigid motions of all bodies together.
+    body_solves: how many solves of single bodies there have been; note: why this kind, where it was left open; rigid:
+    the free rigid motions of all bodies together.
     """
 
     body_solves: int
+    note: str
 
     @property
     def rigid(self) -> RigidMotions: ...
@@ -46,7 +48,7 @@ class Apart:
 
     def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], ranks: Ranks) -> None:
         self._problems, self._interfaces, self._ranks = problems, interfaces, ranks
-        self.body_solves = 0
+        self.body_solves, self.note = 0, ""
 
     @property
     def rigid(self) -> RigidMotions:
@@ -61,11 +63,11 @@ class Apart:
 class Direct:
     """All bodies in one linear system, factored: (17), (26), (27)."""
 
-    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
+    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], note: str = "") -> None:
         self._system = CoupledSystem(problems, interfaces)
         self.rigid = self._system.rigid
         self._bodies = len(problems)
-        self.body_solves = 0
+        self.body_solves, self.note = 0, note
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
         corrections = self._system.correct(phi, residuals, scale)
@@ -85,12 +87,14 @@ class Krylov:
     #: How much closer the Krylov method has to bring each Newton correction.
     FORCING = 1e-4
 
-    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], ranks: Ranks) -> None:
+    def __init__(
+        self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], ranks: Ranks, note: str = ""
+    ) -> None:
         self._problems, self._ranks = problems, ranks
         self._system = CoupledSystem(problems, interfaces, factored=False)
         self.rigid = self._system.rigid
         self._ends = np.cumsum([problem.size for problem in problems])
-        self.body_solves = 0
+        self.body_solves, self.note = 0, note
 
     def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
         rhs, rigid = np.concatenate(residuals), self.rigid

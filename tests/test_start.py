@@ -8,6 +8,7 @@ import pytest
 
 import contactdd as cd
 from contactdd import start
+from contactdd.rigid import joint_motions
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 
@@ -23,7 +24,7 @@ def pair(distance: float, supports: list[object], load: float = 10.0) -> cd.Scen
 def test_floating_bodies_are_pressed_together():
     scene = groove.scene()
     problems = scene.subproblems("condensed")
-    state = start.together(scene, problems)
+    state = start.together(scene, problems, joint_motions(problems, scene.interfaces))
     # 10 MPa on the whole contact: the law of the layer says how deep.
     assert state.gaps[0].min() == pytest.approx(-4e-6 * 10**1.1, rel=1e-12)
     for y, deformation in zip(state.unknowns, state.deformations, strict=True):
@@ -36,7 +37,8 @@ def test_floating_bodies_are_pressed_together():
 @pytest.mark.parametrize("distance", [0.3, 0.0, -0.01])
 def test_only_what_floats_is_moved(distance):
     scene = pair(distance, [cd.Symmetry("left", "right")])
-    state = start.together(scene, scene.subproblems("condensed"))
+    problems = scene.subproblems("condensed")
+    state = start.together(scene, problems, joint_motions(problems, scene.interfaces))
     assert np.all(state.unknowns[0] == 0.0)
     assert state.gaps[0] == pytest.approx(-4e-6 * 10**1.1, rel=1e-9)  # 1e-13 of the distance
     solution = cd.solve(scene)
@@ -56,5 +58,5 @@ def test_only_what_floats_is_moved(distance):
 def test_what_is_held_or_not_pressed_stays(supports, load):
     scene = pair(0.05, supports, load)
     problems = scene.subproblems("condensed")
-    state = start.together(scene, problems)
+    state = start.together(scene, problems, joint_motions(problems, scene.interfaces))
     assert all(np.all(y == 0.0) for y in state.unknowns)
