@@ -72,7 +72,7 @@ def cases(quick: bool) -> list[Case]:
     return chosen
 
 
-#: Degree and layout (left, middle, right, layers, ratio, ratio in depth) of graded quadrilaterals: those of some hundred
+#: Degree and layout (left, middle, right, layers, ratio, ratio in depth) of graded quadrilaterals: of a hundred those
 #: with the smallest error for their number of unknowns, and a few near them.
 HIGH_ORDER = (
     (3, (1, 1, 2, 1, 2, 2)),
