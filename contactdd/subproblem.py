@@ -183,13 +183,6 @@ class Subproblem:
         """½ a(u, u) − l(u)."""
         return float(0.5 * deformation @ (self.stiffness @ deformation) - self.load @ y) + self.constant
 
-    def residual(self, deformation: Floats, tractions: Mapping[int, Floats]) -> Floats:
-        """−F₁'(u; ·): loads and contact forces (weighted tractions g⁻ by interface) less the elastic forces."""
-        forces = self.load - self.stiffness @ deformation
-        for port in self.ports:
-            forces += port.trace.T @ tractions[port.interface]
-        return forces
-
     def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
         """ũ − u of (22): the solution of a(δ, v) + ∫ φ δ_n v_n = residual.
 

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.figure import Figure
 from peers.problem import Grid, graded, uniform
 from report import Report
@@ -191,6 +192,8 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
     """CPU seconds against the error: a line along the fastest of each solver, faint points for the others."""
     figure = Figure(figsize=(8, 5.6), layout="constrained")
     axes = figure.subplots()
+    colors = colormaps["tab20"].colors  # in pairs of a dark and a light one
+    axes.set_prop_cycle(color=colors[::2] + colors[1::2])
     for solver in dict.fromkeys(row["solver"] for row in rows):
         ours = solver.startswith("contactdd")
         points = sorted((row["error_l2"], row["cpu_seconds"]) for row in rows if row["solver"] == solver)
