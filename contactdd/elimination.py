@@ -145,15 +145,15 @@ class Cellwise:
     def _onto_skeleton(self, forces: Floats) -> tuple[Floats, float]:
         """What forces on all unknowns are on the skeleton, and the work of those inside of the cells."""
         inner, on_skeleton, work = forces[self._inner], forces[self._skeleton], 0.0
-        if np.any(inner):
-            for part in self.cells.parts():
-                matrix, coupling = self._inside(part)
-                response = np.linalg.solve(matrix, inner[part][:, :, None])
-                passed_on = np.zeros((len(inner), coupling.shape[2]))
-                passed_on[part] = (np.swapaxes(coupling, 1, 2) @ response)[:, :, 0]
-                on_skeleton -= self._gather.T @ passed_on.ravel()
-                work += float(np.sum(response[:, :, 0] * inner[part]))
-        return on_skeleton, work
+        if not np.any(inner):
+            return on_skeleton, work
+        passed_on = np.empty((len(inner), self.cells.dim * len(self.cells.outer)))
+        for part in self.cells.parts():
+            matrix, coupling = self._inside(part)
+            response = np.linalg.solve(matrix, inner[part][:, :, None])
+            passed_on[part] = (np.swapaxes(coupling, 1, 2) @ response)[:, :, 0]
+            work += float(np.sum(response[:, :, 0] * inner[part]))
+        return on_skeleton - self._gather.T @ passed_on.ravel(), work
 
     def _inside(self, part: slice) -> tuple[Floats, Floats]:
         """The stiffness inside some cells, and between inside and around."""
