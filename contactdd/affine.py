@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import compat
+from .isometry import turned
 
 if TYPE_CHECKING:
     from .body import Body
@@ -97,11 +98,10 @@ class AffineCells:
             return None
         here, there = self.jacobians, other.jacobians
         signs = np.where(np.sum(here * there, axis=(0, 2)) < 0.0, -1.0, 1.0)
-        pairs = signs[:, None] * signs
-        turned = other.material * pairs[:, :, None, None] * pairs
+        material = turned(other.material, signs)
         # Copies differ by the rounding of their coordinates.
         same = np.abs(here - signs[:, None] * there).max() <= 2e-15 * max(self.reach, other.reach)
-        return signs if same and np.abs(self.material - turned).max() <= 1e-14 * np.abs(turned).max() else None
+        return signs if same and np.abs(self.material - material).max() <= 1e-14 * np.abs(material).max() else None
 
 
 def affine_cells(body: Body) -> AffineCells | None:

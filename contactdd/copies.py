@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .body import Body
+from .isometry import turned
 from .load import Pressure
 from .material import Isotropic
 from .parameter import current
@@ -61,6 +62,5 @@ def _held_alike(original: Body, body: Body) -> bool:
 
 def _unchanged(body: Body, signs: Floats) -> bool:
     """Whether a body's stiffness is the same in the mirror."""
-    material, pairs = body.kinematics.tensor(body.material.stiffness()), signs[:, None] * signs
-    turned = material * pairs[:, :, None, None] * pairs
-    return bool(np.abs(turned - material).max() <= 1e-14 * np.abs(material).max())
+    material = body.kinematics.tensor(body.material.stiffness())
+    return bool(np.abs(turned(material, signs) - material).max() <= 1e-14 * np.abs(material).max())

@@ -43,3 +43,9 @@ def reflection(dim: int, axis: int, at: float) -> Isometry:
     """The mirror image in the plane x[axis] = at."""
     across = np.arange(dim) == axis
     return Isometry(np.where(across, -1.0, 1.0), np.where(across, 2.0 * at, 0.0))
+
+
+def turned(tensor: Floats, signs: Floats) -> Floats:
+    """C_ijkl (dim, dim, dim, dim) of a material after the axes with the sign −1 were mirrored."""
+    pairs = signs[:, None] * signs
+    return tensor * pairs[:, :, None, None] * pairs
