@@ -10,7 +10,6 @@ import json
 import os
 import time
 import zipfile
-from collections.abc import Sequence
 from dataclasses import asdict, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,12 +21,11 @@ from .history import History, Record
 from .start import State
 
 if TYPE_CHECKING:
+    from .ensemble import Ensemble
     from .iteration import Run
-    from .scene import Scene
-    from .subproblem import Subproblem
 
 FORMAT = "contactdd checkpoint"
-VERSION = 1
+VERSION = 2
 
 
 class Keeper:
@@ -57,10 +55,10 @@ def write(path: str | Path, run: Run) -> None:
     The file appears whole or not at all: an interruption while writing leaves the last one.
     """
     path = Path(path)
-    header = _header(run.scene, run.problems, run.scheme.name)
+    header = _header(run.ensemble, run.scheme.name)
     arrays = {"header": np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)}
-    for name in _PARTS:
-        arrays |= {f"{name} {i}": part for i, part in enumerate(getattr(run.state, name))}
+    for name, parts in _taken_apart(run.state).items():
+        arrays |= {f"{name} {i}": part for i, part in enumerate(parts)}
     if run.anderson is not None:
         arrays |= {f"memory {i}": part for i, part in enumerate(run.anderson.memory)}
     records = [asdict(record) for record in run.history]
@@ -73,9 +71,7 @@ def write(path: str | Path, run: Run) -> None:
     os.replace(partial, path)
 
 
-def read(
-    path: str | Path, scene: Scene, problems: Sequence[Subproblem], method: str
-) -> tuple[State, History, list[np.ndarray]]:
+def read(path: str | Path, ensemble: Ensemble, method: str) -> tuple[State, History, list[np.ndarray]]:
     """The state, the history and an accelerated method's memory.
 
     Raises CheckpointError for a file that is damaged, is something else, or belongs to another scene or method.
@@ -90,12 +86,15 @@ def read(
         records = [Record(**entry) for entry in _text(arrays["history"])]
     except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
         raise CheckpointError(f"checkpoint = {str(path)!r}: damaged, or not a checkpoint ({error})") from error
-    expected = _header(scene, problems, method)
+    expected = _header(ensemble, method)
     for key in expected:
         if not isinstance(found, dict) or found.get(key) != expected[key]:
             there = found.get(key) if isinstance(found, dict) else found
             raise CheckpointError(f"checkpoint = {str(path)!r}: its {key} is {there!r}, expected {expected[key]!r}")
-    state = State(**{name: _parts(path, arrays, name, _sizes(scene, problems, name)) for name in _PARTS})
+    unknowns, points = [ensemble.size], [len(interface.weights) for interface in ensemble.interfaces]
+    sizes = {"unknowns": unknowns, "deformation": unknowns, "gaps": points, "previous_gaps": points}
+    (y,), (deformation,), *gaps = (_parts(path, arrays, name, sizes[name]) for name in sizes)
+    state = State(y, deformation, *gaps)
     history = History()
     for record in records:
         history.append(record)
@@ -103,31 +102,25 @@ def read(
     return state, history, memory
 
 
-_PARTS = tuple(field.name for field in fields(State))
-
-
-def _header(scene: Scene, problems: Sequence[Subproblem], method: str) -> dict[str, Any]:
+def _header(ensemble: Ensemble, method: str) -> dict[str, Any]:
     """What a checkpoint must have in common with the run that goes on from it."""
     return {
         "format": FORMAT,
         "version": VERSION,
         "method": method,
-        "bodies": [[problem.body.name, problem.size] for problem in problems],
-        "contacts": [
-            [contact.name, len(interface.weights)]
-            for contact, interface in zip(scene.contacts, scene.interfaces, strict=True)
-        ],
+        "bodies": [[problem.body.name, problem.size] for problem in ensemble.problems],
+        "contacts": [[interface.contact.name, len(interface.weights)] for interface in ensemble.interfaces],
     }
+
+
+def _taken_apart(state: State) -> dict[str, list[np.ndarray]]:
+    """The arrays of a state by name: of all bodies together, or one for each interface."""
+    parts = {field.name: getattr(state, field.name) for field in fields(state)}
+    return {name: part if isinstance(part, list) else [part] for name, part in parts.items()}
 
 
 def _text(array: np.ndarray) -> Any:
     return json.loads(array.astype(np.uint8).tobytes().decode())
-
-
-def _sizes(scene: Scene, problems: Sequence[Subproblem], name: str) -> list[int]:
-    if "gaps" in name:
-        return [len(interface.weights) for interface in scene.interfaces]
-    return [problem.size for problem in problems]
 
 
 def _parts(path: Path, arrays: dict[str, np.ndarray], name: str, sizes: list[int]) -> list[np.ndarray]:

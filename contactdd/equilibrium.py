@@ -6,15 +6,12 @@ work, that meets no elastic force and closes no gap. A linear programme finds su
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from .errors import LooseBodyError
 from .rigid import RigidMotions
-from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
 
@@ -22,17 +19,16 @@ Floats = NDArray[np.float64]
 BALANCED = 1e-9
 
 
-def escape(problems: Sequence[Subproblem], motions: RigidMotions) -> LooseBodyError | None:
+def escape(loads: Floats, motions: RigidMotions) -> LooseBodyError | None:
     """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion.
 
-    motions: the free rigid motions of all bodies together.
+    loads: on the unknowns of all bodies, motions: their free rigid motions.
     """
     count = motions.modes.shape[1]
     if count == 0:
         return None
     # Motions that springs resist are no way out.
     free = scipy.linalg.null_space(motions.elastic, rcond=1e-12) if np.any(motions.elastic) else np.eye(count)
-    loads = np.concatenate([problem.load for problem in problems])
     work = free.T @ motions.modes.T @ loads
     if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * np.linalg.norm(loads):
         return None

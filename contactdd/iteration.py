@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -13,16 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .anderson import Anderson
+from .ensemble import Ensemble, Forces, norm
 from .equilibrium import BALANCED, escape
 from .errors import LooseBodyError
 from .history import History, Record
 from .line_search import minimise_along
 from .multigrid import MultigridSubproblem
-from .scene import Scene
+from .ranks import Ranks
 from .scheme import Scheme
 from .start import State
 from .step import Apart, Direct, Krylov, Step
-from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
 Observer = Callable[[Record], bool]
@@ -86,24 +85,24 @@ class Run:
 
     def __init__(
         self,
-        scene: Scene,
+        ensemble: Ensemble,
+        ranks: Ranks,
         scheme: Scheme,
-        problems: Sequence[Subproblem],
         linear: Step,
         state: State,
         history: History | None = None,
         memory: Sequence[Floats] = (),
     ) -> None:
-        self.scene, self.scheme, self.problems, self.linear, self.state = scene, scheme, problems, linear, state
+        self.ensemble, self.scheme, self.state = ensemble, scheme, state
         self.history = History() if history is None else history
         self.anderson = Anderson() if scheme.accelerated else None
         if self.anderson is not None:
             self.anderson.memory = memory
-        self._points = [interface.x.T for interface in scene.interfaces]
-        self._size = max(body.mesh.size for body in scene.bodies)
-        self._loads = norm([problem.load for problem in problems])
-        stiffest = max(problem.rigid.largest for problem in problems)  # and the φ that is as stiff as that
-        self._stiffest = [stiffest / interface.weights for interface in scene.interfaces]
+        self._ranks, self._linear = ranks, linear
+        self._size = max(problem.body.mesh.size for problem in ensemble.problems)
+        self._loads = norm(ensemble.load)
+        stiffest = ensemble.rigid.largest  # and the φ that is as stiff as that
+        self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
         self._first_force = 0.0
         self._at_nodes = False
         self._began = time.process_time()
@@ -123,11 +122,9 @@ class Run:
                 return self._ending(
                     "diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}"
                 )
-            tractions = self.scene.tractions(self.state.gaps)
-            contact = self._contact_forces(tractions)
-            residuals = self._residuals(contact)
-            scale = self._scale(residuals, contact)
-            residual = self.scene.ranks.agree(norm(residuals) / scale if scale > 0.0 else 0.0)
+            forces = self.ensemble.forces(self.state)
+            scale = self._scale(forces)
+            residual = self._ranks.agree(norm(forces.residual) / scale if scale > 0.0 else 0.0)
             distance = rule.distance(residual, last)
             reached = f"residual {residual:.2e}" + (f", change {last.change:.2e}" if last else "")
             if distance <= 1.0:
@@ -139,7 +136,7 @@ class Run:
             if k == rule.most:
                 break
             try:
-                last = self._iteration(k + 1, next(gammas), tractions, residuals, scale, residual)
+                last = self._iteration(k + 1, next(gammas), forces, scale, residual)
             except LooseBodyError as error:
                 return self._ending("diverged", f"{error} in iteration {k + 1}")
             except StopIteration:
@@ -159,170 +156,133 @@ class Run:
             last = record
         return best, best_at
 
-    def _iteration(
-        self,
-        k: int,
-        gamma: float | None,
-        tractions: list[Floats],
-        residuals: list[Floats],
-        scale: float,
-        residual: float,
-    ) -> Record:
+    def _iteration(self, k: int, gamma: float | None, forces: Forces, scale: float, residual: float) -> Record:
         """One iteration (16), (25)."""
         state, phi = self.state, self._coefficients()
-        energy = self.scene.energy(self.problems, state)
-        corrections, phi, note = self._corrections(
-            phi, residuals, scale, survive=gamma is None or self.anderson is not None
-        )
-        length = self._search(corrections, tractions, residuals) if gamma is None else gamma
+        energy = self.ensemble.energy(state, forces.elastic)
+        survive = gamma is None or self.anderson is not None
+        correction, phi, note = self._correction(phi, forces.residual, scale, survive)
+        length = self._search(correction, forces) if gamma is None else gamma
         if self.anderson is None:
-            steps = [length * delta for delta in corrections]
+            step = length * correction
         else:
-            steps, restart = self._accelerated(corrections, tractions, residuals, length, energy)
+            step, restart = self._accelerated(correction, forces, length, energy)
             note = ", ".join(filter(None, (note, restart)))
-        contact = sum(float(i.weights @ (z < 0)) for i, z in zip(self.scene.interfaces, state.gaps, strict=True))
-        self.state = self._moved(self.scene.ranks.agree(steps))
+        interfaces = self.ensemble.interfaces
+        contact = sum(float(i.weights @ (z < 0)) for i, z in zip(interfaces, state.gaps, strict=True))
+        step = self._ranks.agree(step)
+        self.state = self._moved(step)
         return Record(
             iteration=k,
             gamma=length,
-            change=self._change(steps),
+            change=self.ensemble.change(step, self.state.unknowns, self._at_nodes),
             residual=residual,
             energy=energy,
             contact=contact,
             phi_min=min(float(values.min()) for values in phi.values()),
             phi_max=max(float(values.max()) for values in phi.values()),
-            body_solves=self.linear.body_solves,
+            body_solves=self._linear.body_solves,
             seconds=time.process_time() - self._began,
-            note=", ".join(filter(None, (self.linear.note if k == 1 else "", note))),
+            note=", ".join(filter(None, (self._linear.note if k == 1 else "", note))),
         )
 
     def _coefficients(self) -> dict[int, Floats]:
         """φ^k at the points of every interface."""
         phi, state = {}, self.state
-        for index, interface in enumerate(self.scene.interfaces):
-            z, before, x = state.gaps[index], state.previous_gaps[index], self._points[index]
-            values = self.scheme.coefficient(interface.contact.layer, z, before, x)
+        for index, interface in enumerate(self.ensemble.interfaces):
+            z, before = state.gaps[index], state.previous_gaps[index]
+            values = self.scheme.coefficient(interface.contact.layer, z, before, interface.x.T)
             # A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
             phi[index] = np.minimum(values, 1e8 * self._stiffest[index])
         return phi
 
-    def _corrections(
-        self, phi: dict[int, Floats], residuals: list[Floats], scale: float, survive: bool
-    ) -> tuple[list[Floats], dict[int, Floats], str]:
-        """ũ − u of every body, the coefficient that was used, and a note on it.
+    def _correction(
+        self, phi: dict[int, Floats], residual: Floats, scale: float, survive: bool
+    ) -> tuple[Floats, dict[int, Floats], str]:
+        """ũ − u of all bodies, the coefficient that was used, and a note on it.
 
         A contact that opens for a moment leaves bodies that nothing holds. Where the energy watches over the step
         (survive), they are then held by a soft Robin term everywhere: the step still lowers the energy.
         """
         try:
-            return self.linear.correct(phi, residuals, scale), phi, ""
+            return self._linear.correct(phi, residual, scale), phi, ""
         except LooseBodyError:
             if not survive or self._escape is not None:
                 raise
-        phi = self._softened(phi, residuals)
-        return self.linear.correct(phi, residuals, scale), phi, "open: held by a soft Robin term"
+        phi = self._softened(phi, residual)
+        return self._linear.correct(phi, residual, scale), phi, "open: held by a soft Robin term"
 
     @cached_property
     def _escape(self) -> LooseBodyError | None:
         """What moves for ever where there is no equilibrium."""
-        return escape(self.problems, self.linear.rigid)
+        return escape(self.ensemble.load, self.ensemble.rigid)
 
-    def _softened(self, phi: dict[int, Floats], residuals: list[Floats]) -> dict[int, Floats]:
+    def _softened(self, phi: dict[int, Floats], residual: Floats) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
 
         It is the unbalanced forces over the contacts' area and the largest gap: a body moves by about that gap. It is
         no stiffer than the bodies, for the next step goes further, but not lost in the rounding of what is stiffest.
         """
-        forces = max(float(np.abs(r).sum()) for r in residuals)
-        area = sum(float(interface.weights.sum()) for interface in self.scene.interfaces)
+        forces = max(float(np.abs(part).sum()) for part in self.ensemble.split(residual))
+        area = float(self.ensemble.weights.sum())
         gap = max(float(np.abs(z).max()) for z in self.state.gaps)
         soft = forces / area / (gap if gap > 1e-12 * self._size else self._size)  # coordinates are no better than that
         soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
         return {index: np.maximum(values, np.minimum(soft, self._stiffest[index])) for index, values in phi.items()}
 
-    def _accelerated(
-        self,
-        corrections: list[Floats],
-        tractions: list[Floats],
-        residuals: list[Floats],
-        gamma: float,
-        energy: float,
-    ) -> tuple[list[Floats], str]:
+    def _accelerated(self, correction: Floats, forces: Forces, gamma: float, energy: float) -> tuple[Floats, str]:
         """Anderson's step, or the best plain one where that would raise the energy."""
-        y = np.concatenate(self.state.unknowns)
-        ends = np.cumsum([len(part) for part in self.state.unknowns])[:-1]
-        steps = np.split(self.anderson.step(y, np.concatenate(corrections), gamma), ends)
-        moved = self._moved(steps)
-        reached = self.scene.energy(self.problems, moved)
+        step = self.anderson.step(self.state.unknowns, correction, gamma)
+        reached = self.ensemble.energy(self._moved(step))
         # Near the solution energies differ by less than their own rounding.
         if np.isfinite(reached) and reached <= energy + 1e-12 * abs(energy):
-            return steps, ""
+            return step, ""
         self.anderson.restart()
-        best = self._search(corrections, tractions, residuals)
-        return [best * delta for delta in corrections], "restarted: the energy would have risen"
+        return self._search(correction, forces) * correction, "restarted: the energy would have risen"
 
-    def _moved(self, steps: Sequence[Floats]) -> State:
+    def _moved(self, step: Floats) -> State:
         """u^{k+1}, eqs. (23), (33), (37)."""
-        unknowns = [y + step for y, step in zip(self.state.unknowns, steps, strict=True)]
-        deformations = [
-            e + p.deformation(step) for p, e, step in zip(self.problems, self.state.deformations, steps, strict=True)
-        ]
-        return State(unknowns, deformations, self.scene.gaps(self.problems, unknowns), self.state.gaps)
+        unknowns = self.state.unknowns + step
+        deformation = self.state.deformation + self.ensemble.deformation(step)
+        return State(unknowns, deformation, self.ensemble.gaps(unknowns), self.state.gaps)
 
-    def _contact_forces(self, tractions: list[Floats]) -> list[list[Floats]]:
-        """What every contact of every body does to its unknowns."""
-        return [[port.trace.T @ tractions[port.interface] for port in problem.ports] for problem in self.problems]
-
-    def _residuals(self, contact: list[list[Floats]]) -> list[Floats]:
-        """−F₁'(u) of every body: loads and contact forces less the elastic forces."""
-        bodies = zip(self.problems, self.state.deformations, contact, strict=True)
-        return [sum(forces, p.load - p.stiffness @ deformation) for p, deformation, forces in bodies]
-
-    def _scale(self, residuals: list[Floats], contact: list[list[Floats]]) -> float:
+    def _scale(self, forces: Forces) -> float:
         """The size of the forces at work: loads and contact forces, or the first residual where there are none."""
-        size = math.hypot(self._loads, *map(norm, contact))
-        if size == 0.0:
-            self._first_force = size = max(self._first_force, norm(residuals))
-        return size
+        if forces.size > 0.0:
+            return forces.size
+        self._first_force = max(self._first_force, norm(forces.residual))
+        return self._first_force
 
-    def _search(self, corrections: Sequence[Floats], tractions: Sequence[Floats], residuals: Sequence[Floats]) -> float:
-        """γ^k that minimises F₁ along the corrections.
+    def _search(self, correction: Floats, forces: Forces) -> float:
+        """γ^k that minimises F₁ along the correction.
 
         The slope takes the growth of the layers' work; near the minimum, where that cancels, by divided differences.
         """
-        descent = sum(float(r @ delta) for r, delta in zip(residuals, corrections, strict=True))
-        parts = [p.deformation(delta) for p, delta in zip(self.problems, corrections, strict=True)]
-        elastic = sum(float(e @ (p.stiffness @ e)) for p, e in zip(self.problems, parts, strict=True))
-        moves = self.scene.closing(self.problems, corrections)
-        works = [move * traction for move, traction in zip(moves, tractions, strict=True)]
+        descent = float(forces.residual @ correction)
+        deformation = self.ensemble.deformation(correction)
+        elastic = float(deformation @ (self.ensemble.stiffness @ deformation))
+        moves = self.ensemble.by_interface(self.ensemble.closing @ correction)
+        works = [move * traction for move, traction in zip(moves, forces.tractions, strict=True)]
         work = sum(float(part.sum()) for part in works)
         cancels = descent < CANCELLED * sum(float(np.abs(part).sum()) for part in works)
         contacts = [
             (interface.contact.layer, z, move, interface.weights * move)
-            for interface, z, move in zip(self.scene.interfaces, self.state.gaps, moves, strict=True)
+            for interface, z, move in zip(self.ensemble.interfaces, self.state.gaps, moves, strict=True)
         ]
 
         def growth(t: float) -> float:
-            """How much more the layers resist the corrections at t than at 0."""
+            """How much more the layers resist the correction at t than at 0."""
             if cancels:
                 return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
 
         return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
 
-    def _change(self, steps: Sequence[Floats]) -> float:
-        """The largest relative change of a body's u_n; to be asked after the move."""
-        largest = 0.0
-        for problem, step, y in zip(self.problems, steps, self.state.unknowns, strict=True):
-            moved, size = (math.sqrt(u_n @ u_n) for u_n in problem.normal_displacements(step, y, self._at_nodes))
-            largest = max(largest, moved / size if size > 0.0 else float(moved > 0.0))
-        return largest
-
     def _bounded(self) -> bool:
         """Whether the displacements are finite and not absurd."""
         return all(
             bool(np.abs(z - interface.gap).max() < 100 * self._size)  # false also of what is not a number
-            for z, interface in zip(self.state.gaps, self.scene.interfaces, strict=True)
+            for z, interface in zip(self.state.gaps, self.ensemble.interfaces, strict=True)
         )
 
     def _arrived(self, reason: str, residual: float) -> Ending:
@@ -341,20 +301,15 @@ class Run:
         return Ending(status, reason) if way is None else Ending("no equilibrium", str(way), way)
 
 
-def norm(vectors: Sequence[Floats]) -> float:
-    """The Euclidean norm of several vectors together."""
-    return math.sqrt(sum(float(v @ v) for v in vectors))
-
-
-def find_step(scheme: Scheme, problems: Sequence[Subproblem], scene: Scene) -> Step:
+def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
     """The kind of linear problem that the scheme asks for, or the one that suits the scene where it leaves it open."""
+    problems = ensemble.problems
     if scheme.step == "apart":
-        return Apart(problems, scene.interfaces, scene.ranks)
-    unknowns = sum(problem.size for problem in problems)
+        return Apart(ensemble, ranks)
     entries = sum(problem.size**2 for problem in problems)
     small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridSubproblem) for p in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):
-        note = f"auto: coupled Newton, {unknowns} unknowns factored" if scheme.step == "auto" else ""
-        return Direct(problems, scene.interfaces, note)
-    note = f"auto: Newton with Krylov steps, {unknowns} unknowns" if scheme.step == "auto" else ""
-    return Krylov(problems, scene.interfaces, scene.ranks, note)
+        note = f"auto: coupled Newton, {ensemble.size} unknowns factored" if scheme.step == "auto" else ""
+        return Direct(ensemble, note)
+    note = f"auto: Newton with Krylov steps, {ensemble.size} unknowns" if scheme.step == "auto" else ""
+    return Krylov(ensemble, ranks, note)

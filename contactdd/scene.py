@@ -1,4 +1,4 @@
-"""A scene: all bodies and the contacts between them, checked, and the convex energy F₁ (13) that they minimise."""
+"""A scene: all bodies and the contacts between them, checked, and what is kept of them from one solve to the next."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -24,9 +24,6 @@ from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
 from .ranks import Ranks
 from .subproblem import CondensedSubproblem, RemoteSubproblem, Subproblem
-
-if TYPE_CHECKING:
-    from .start import State
 
 Floats = NDArray[np.float64]
 
@@ -164,35 +161,6 @@ class Scene:
 
     def _parameter_values(self) -> list[bytes]:
         return [np.asarray(parameter.value).tobytes() for parameter in self._parameters()]
-
-    def gaps(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats]) -> list[Floats]:
-        """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
-        offsets = [interface.gap.copy() for interface in self.interfaces]
-        for problem in problems:
-            for port in problem.ports:
-                offsets[port.interface] -= port.offset
-        return [d - move for d, move in zip(offsets, self.closing(problems, unknowns), strict=True)]
-
-    def closing(self, problems: Sequence[Subproblem], unknowns: Sequence[Floats]) -> list[Floats]:
-        """u_αn + u_βn at the points of every interface, of the free part of the displacement."""
-        sums = [np.zeros(len(interface.weights)) for interface in self.interfaces]
-        for problem, y in zip(problems, unknowns, strict=True):
-            for port in problem.ports:
-                sums[port.interface] += port.trace @ y
-        return sums
-
-    def tractions(self, gaps: Sequence[Floats]) -> list[Floats]:
-        """The contact stresses g⁻(z) times the points' areas."""
-        return [i.weights * i.contact.layer.contact_stress(z) for i, z in zip(self.interfaces, gaps, strict=True)]
-
-    def layer_energy(self, gaps: Sequence[Floats]) -> float:
-        """J = Σ ∫ ∫₀^z g⁻."""
-        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in zip(self.interfaces, gaps, strict=True))
-
-    def energy(self, problems: Sequence[Subproblem], state: State) -> float:
-        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        parts = zip(problems, state.unknowns, state.deformations, strict=True)
-        return sum(p.energy(y, e) for p, y, e in parts) + self.layer_energy(state.gaps)
 
     def _check(self) -> None:
         if not self.contacts:

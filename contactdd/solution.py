@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -19,12 +18,12 @@ from .contact import Contact
 from .field import inner_element
 from .history import History
 from .interface import Interface, discretise
-from .rigid import joint_motions
 
 if TYPE_CHECKING:
+    from .ensemble import Ensemble
     from .scene import Scene
     from .start import State
-    from .subproblem import Fields, Subproblem
+    from .subproblem import Fields
 
 Floats = NDArray[np.float64]
 STRESSES = ("xx", "yy", "zz", "yz", "xz", "xy")
@@ -82,7 +81,7 @@ class Solution:
     def __init__(
         self,
         scene: Scene,
-        problems: Sequence[Subproblem],
+        ensemble: Ensemble,
         state: State,
         history: History,
         status: str,
@@ -90,7 +89,7 @@ class Solution:
         method: str,
     ) -> None:
         self.scene, self.history, self.status, self.reason, self.method = scene, history, status, reason, method
-        self._problems, self._state = problems, state
+        self._ensemble, self._state = ensemble, state
         self._interfaces = scene.interfaces  # as they are now: a parameter may change the scene's later
         self._displacements: dict[str, fem.Function] = {}
         if not scene.ranks.alone:
@@ -122,7 +121,8 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap.copy()
             for side in interface.sides:
-                seen = self._problems[side.body].seen(self._state.unknowns[side.body], side.trace)
+                part = self._ensemble.parts[side.body]
+                seen = self._ensemble.problems[side.body].seen(self._state.unknowns[part], side.trace)
                 gaps -= side.trace @ self._fields[side.body].displacement if seen is None else seen
         stress = interface.contact.layer.contact_stress(gaps)
         compression = np.minimum(gaps, 0.0)
@@ -139,12 +139,12 @@ class Solution:
     @property
     def layer_energy(self) -> float:
         """J, the energy of all layers."""
-        return self.scene.layer_energy(self._state.gaps)
+        return self._ensemble.layer_energy(self._state)
 
     @property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        return self.scene.energy(self._problems, self._state)
+        return self._ensemble.energy(self._state)
 
     def stress(self, body: str | Body) -> fem.Function:
         """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
@@ -168,7 +168,7 @@ class Solution:
         They sum to zero. In a body of revolution they are those of the full ring, on which radial forces sum to zero.
         """
         place = self._place(body)
-        problem, owner = self._problems[place], self.scene.bodies[place]
+        problem, owner = self._ensemble.problems[place], self.scene.bodies[place]
         loads, contact, fields = problem.full_load, self._contact_load(place), self._fields[place]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
@@ -190,7 +190,7 @@ class Solution:
     def residual(self) -> float:
         """‖F₁'(u)‖ over all free displacements relative to the loads and contact forces, found from the fields anew."""
         total = scale = 0.0
-        for place, problem in enumerate(self._problems):
+        for place, problem in enumerate(self._ensemble.problems):
             contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
             total += float(np.sum(problem.space.restricted(problem.full_load + contact - elastic) ** 2))
             scale += float(problem.full_load @ problem.full_load + contact @ contact)
@@ -240,21 +240,21 @@ class Solution:
     @cached_property
     def _fields(self) -> list[Fields]:
         """The bodies' solutions; the insides are recovered when first asked for."""
-        state = self._state
-        fields = self.scene.ranks.each(
-            lambda place: self._problems[place].fields(state.unknowns[place], state.deformations[place])
-        )
-        return self._settled(fields)
+        ensemble, state = self._ensemble, self._state
+
+        def of(place: int) -> Fields:
+            part = ensemble.parts[place]
+            return ensemble.problems[place].fields(state.unknowns[part], state.deformation[part])
+
+        return self._settled(self.scene.ranks.each(of))
 
     def _settled(self, fields: list[Fields]) -> list[Fields]:
         """The same with the motions taken out on which nothing depends, such as that of a whole stack that floats.
 
         Which of them the iteration ends with is rounding; the displacements shown are the smallest.
         """
-        if not any(problem.rigid.modes.shape[1] for problem in self._problems):
-            return fields
-        motions = joint_motions(self._problems, self._interfaces)
-        if motions.neutral.shape[1] == 0:
+        motions = self._ensemble.rigid
+        if motions.modes.shape[1] == 0 or motions.neutral.shape[1] == 0:
             return fields
         parts = np.split(motions.neutral, np.cumsum([o.coefficients.shape[1] for o in motions.owners])[:-1])
         moves = []
@@ -266,9 +266,9 @@ class Solution:
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
-        tractions = self.scene.tractions(self._state.gaps)
-        total = np.zeros_like(self._problems[place].full_load)
-        for port in self._problems[place].ports:
+        problem, tractions = self._ensemble.problems[place], self._ensemble.tractions(self._state)
+        total = np.zeros_like(problem.full_load)
+        for port in problem.ports:
             total += port.side.trace.T @ tractions[port.interface]
         return total
 

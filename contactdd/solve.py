@@ -5,11 +5,12 @@ from __future__ import annotations
 import itertools
 import math
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 from . import start as starts
 from .checkpoint import Keeper, read
+from .ensemble import Ensemble
 from .errors import NoEquilibriumError, NotConvergedError, one_of, positive
 from .history import Record
 from .iteration import Rule, Run, find_step
@@ -17,8 +18,6 @@ from .progress import Progress
 from .scene import Scene
 from .scheme import Scheme, find_scheme
 from .solution import Solution
-from .step import Step
-from .subproblem import Subproblem
 
 Gamma = float | Iterable[float] | Callable[[int], float] | str
 
@@ -75,13 +74,12 @@ def solve(
     one_of("on_failure", on_failure, ("raise", "return"))
     relaxation = _relaxation(gamma, scheme)
     rule = _rule(tolerance, criterion, max_iterations, scheme)
-    problems = scene.subproblems(local_solver)
-    linear = find_step(scheme, problems, scene)
+    ensemble = Ensemble(scene.subproblems(local_solver), scene.interfaces)
     if checkpoint is not None and resume and Path(checkpoint).exists():
-        state, history, memory = read(checkpoint, scene, problems, scheme.name)
-        run = Run(scene, scheme, problems, linear, state, history, memory)
+        earlier = read(checkpoint, ensemble, scheme.name)
     else:
-        run = Run(scene, scheme, problems, linear, _start(scene, problems, scheme, linear, gamma, start, previous))
+        earlier = (_start(ensemble, scheme, gamma, start, previous),)
+    run = Run(ensemble, scene.ranks, scheme, find_step(scheme, ensemble, scene.ranks), *earlier)
     keeper = Keeper(checkpoint, positive("checkpoint_every", checkpoint_every), run)
     with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
         deadline = math.inf if time_limit is None else time.monotonic() + positive("time_limit", time_limit)
@@ -92,7 +90,7 @@ def solve(
             return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
-    solution = Solution(scene, problems, run.state, run.history, ending.status, ending.reason, scheme.name)
+    solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
         if ending.escape is not None:
             raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution)
@@ -124,19 +122,17 @@ def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
 
 
 def _start(
-    scene: Scene,
-    problems: Sequence[Subproblem],
+    ensemble: Ensemble,
     scheme: Scheme,
-    linear: Step,
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
     previous: starts.Given | None,
 ) -> starts.State:
     """The first iterate."""
     if isinstance(start, Solution):
-        return starts.from_solution(scene, problems, start)
+        return starts.from_solution(ensemble, start)
     if start is not None:
-        return starts.from_contacts(scene, problems, start, previous)
+        return starts.from_contacts(ensemble, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
     guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.together(scene, problems, linear.rigid) if guarded else starts.closed(scene, problems)
+    return starts.together(ensemble) if guarded else starts.closed(ensemble)

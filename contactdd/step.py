@@ -4,7 +4,7 @@ Krylov method whose every step solves the bodies apart.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 import numpy as np
@@ -12,10 +12,8 @@ import scipy
 from numpy.typing import NDArray
 
 from .coupled import CoupledSystem
-from .interface import Interface
+from .ensemble import Ensemble
 from .ranks import Ranks
-from .rigid import RigidMotions, joint_motions
-from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
 Phi = Mapping[int, Floats]
@@ -24,21 +22,17 @@ Phi = Mapping[int, Floats]
 class Step(Protocol):
     """One kind of linear problem.
 
-    body_solves: how many solves of single bodies there have been; note: why this kind, where it was left open; rigid:
-    the free rigid motions of all bodies together.
+    body_solves: how many solves of single bodies there have been; note: why this kind, where it was left open.
     """
 
     body_solves: int
     note: str
 
-    @property
-    def rigid(self) -> RigidMotions: ...
+    def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
+        """The correction of the unknowns of all bodies.
 
-    def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
-        """The correction of every body's unknowns.
-
-        phi: the coefficient at the points of each interface; residuals: −F₁' by body; scale: the size of the forces at
-        work. Raises LooseBodyError where a motion is free on which forces do work.
+        phi: the coefficient at the points of each interface; residual: −F₁'; scale: the size of the forces at work.
+        Raises LooseBodyError where a motion is free on which forces do work.
         """
         ...
 
@@ -46,33 +40,27 @@ class Step(Protocol):
 class Apart:
     """Every body on its own, eq. (22): nothing but φ and g⁻ at the contacts passes between them."""
 
-    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], ranks: Ranks) -> None:
-        self._problems, self._interfaces, self._ranks = problems, interfaces, ranks
+    def __init__(self, ensemble: Ensemble, ranks: Ranks) -> None:
+        self._ensemble, self._ranks = ensemble, ranks
         self.body_solves, self.note = 0, ""
 
-    @property
-    def rigid(self) -> RigidMotions:
-        return joint_motions(self._problems, self._interfaces)
-
-    def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
-        corrections = self._ranks.each(lambda place: self._problems[place].correct(phi, residuals[place], scale))
-        self.body_solves += len(self._problems)
-        return corrections
+    def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
+        problems, forces = self._ensemble.problems, self._ensemble.split(residual)
+        self.body_solves += len(problems)
+        return np.concatenate(self._ranks.each(lambda place: problems[place].correct(phi, forces[place], scale)))
 
 
 class Direct:
     """All bodies in one linear system, factored: (17), (26), (27)."""
 
-    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], note: str = "") -> None:
-        self._system = CoupledSystem(problems, interfaces)
-        self.rigid = self._system.rigid
-        self._bodies = len(problems)
+    def __init__(self, ensemble: Ensemble, note: str = "") -> None:
+        self._system = CoupledSystem(ensemble)
+        self._bodies = len(ensemble.problems)
         self.body_solves, self.note = 0, note
 
-    def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
-        corrections = self._system.correct(phi, residuals, scale)
+    def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
         self.body_solves += self._bodies  # each body takes part once
-        return corrections
+        return self._system.correct(phi, residual, scale)
 
 
 class Krylov:
@@ -87,23 +75,18 @@ class Krylov:
     #: How much closer the Krylov method has to bring each Newton correction.
     FORCING = 1e-4
 
-    def __init__(
-        self, problems: Sequence[Subproblem], interfaces: Sequence[Interface], ranks: Ranks, note: str = ""
-    ) -> None:
-        self._problems, self._ranks = problems, ranks
-        self._system = CoupledSystem(problems, interfaces, factored=False)
-        self.rigid = self._system.rigid
-        self._ends = np.cumsum([problem.size for problem in problems])
+    def __init__(self, ensemble: Ensemble, ranks: Ranks, note: str = "") -> None:
+        self._ensemble, self._ranks = ensemble, ranks
         self.body_solves, self.note = 0, note
 
-    def correct(self, phi: Phi, residuals: Sequence[Floats], scale: float) -> list[Floats]:
-        rhs, rigid = np.concatenate(residuals), self.rigid
-        rigid.ground(phi, rhs, scale)  # only its check
+    def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
+        rigid = self._ensemble.rigid
+        rigid.ground(phi, residual, scale)  # only its check
         # Rounding alone works on the motions that nothing resists: out of the forces with it, and out of the steps.
         idle = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]
-        rhs = rhs - idle @ (idle.T @ rhs)
+        rhs = residual - idle @ (idle.T @ residual)
         coarse = self._coarse_space(phi)
-        image = np.reshape([self._system.apply(phi, column) for column in coarse.T], (-1, len(rhs))).T
+        image = np.reshape([self._ensemble.tangent(phi, column) for column in coarse.T], (-1, len(rhs))).T
         inverse = _pseudo_inverse(coarse.T @ image, rigid.largest)
 
         def precondition(vector: Floats) -> Floats:
@@ -114,27 +97,26 @@ class Krylov:
             return vector - coarse @ (inverse @ (image.T @ vector))
 
         start = coarse @ (inverse @ (coarse.T @ rhs))
-        solution = deflated_conjugate_gradients(
-            lambda vector: self._system.apply(phi, vector),
+        return deflated_conjugate_gradients(
+            lambda vector: self._ensemble.tangent(phi, vector),
             precondition,
             project,
             rhs,
             start,
             self.FORCING,
         )
-        return np.split(solution, self._ends[:-1])
 
     def _precondition(self, phi: Phi, vector: Floats) -> Floats:
         """(S + Φ)⁻¹ of every body, independently."""
-        self.body_solves += len(self._problems)
-        parts = np.split(vector, self._ends[:-1])
-        return np.concatenate(self._ranks.each(lambda place: self._problems[place].solve_held(phi, parts[place])))
+        problems, forces = self._ensemble.problems, self._ensemble.split(vector)
+        self.body_solves += len(problems)
+        return np.concatenate(self._ranks.each(lambda place: problems[place].solve_held(phi, forces[place])))
 
     def _coarse_space(self, phi: Phi) -> Floats:
         """Rigid motions and lowest modes, orthonormal, (all unknowns, modes)."""
 
         def of(place: int) -> Floats:
-            problem = self._problems[place]
+            problem = self._ensemble.problems[place]
             modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
             return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
 

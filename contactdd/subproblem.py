@@ -175,14 +175,6 @@ class Subproblem:
         """The number of unknowns."""
         return len(self.load)
 
-    def deformation(self, y: Floats) -> Floats:
-        """The unknowns without the rigid motion of a floating body: what elastic forces come from."""
-        return y - self.rigid.modes @ (self.rigid.modes.T @ y) if self.rigid.floating else y
-
-    def energy(self, y: Floats, deformation: Floats) -> float:
-        """½ a(u, u) − l(u)."""
-        return float(0.5 * deformation @ (self.stiffness @ deformation) - self.load @ y) + self.constant
-
     def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
         """ũ − u of (22): the solution of a(δ, v) + ∫ φ δ_n v_n = residual.
 
@@ -213,13 +205,6 @@ class Subproblem:
         u, deformed = self.displacement(y), self.displacement(deformation)
         elastic = self.matrices.forces(deformed)
         return Fields(u, elastic, self.matrices.spring_forces(u), 0.5 * float(deformed @ elastic))
-
-    def normal_displacements(self, step: Floats, y: Floats, at_nodes: bool) -> tuple[Floats, Floats]:
-        """u_n of a step and of the unknowns, at the nodes of all contact surfaces or at the contacts' points."""
-        if at_nodes:
-            return self.nodal_trace @ step, self.nodal_trace @ y + self.nodal_offset
-        moved = [port.trace @ step for port in self.ports]
-        return np.concatenate(moved), np.concatenate([port.trace @ y + port.offset for port in self.ports])
 
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""

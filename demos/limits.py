@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from report import Report
 
 import contactdd as cd
-from contactdd.coupled import CoupledSystem
+from contactdd.ensemble import Ensemble
 
 METHODS = {"I": "one-point", "II": "chord", "III": "kurchatov"}
 GAMMAS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9, 0.95, 1.0)
@@ -67,9 +67,9 @@ def predicted_contraction(scene: cd.Scene, gamma: float) -> float:
     """
     problems = scene.subproblems("condensed")
     phi = {i: np.full(len(face.weights), face.contact.layer.stiffness) for i, face in enumerate(scene.interfaces)}
-    system = CoupledSystem(problems, scene.interfaces, factored=False)
-    unknowns = np.eye(sum(problem.size for problem in problems))
-    coupled = np.column_stack([system.apply(phi, column) for column in unknowns])
+    ensemble = Ensemble(problems, scene.interfaces)
+    unknowns = np.eye(ensemble.size)
+    coupled = np.column_stack([ensemble.tangent(phi, column) for column in unknowns])
     apart = scipy.linalg.block_diag(
         *(np.column_stack([p.solve_held(phi, column) for column in np.eye(p.size)]) for p in problems)
     )

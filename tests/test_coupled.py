@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd import coupled
+from contactdd import ensemble as ensembles
 from contactdd.coupled import CoupledSystem
+from contactdd.ensemble import Ensemble
 from contactdd.errors import LooseBodyError
 from contactdd.line_search import minimise_along
 from contactdd.rigid import pivots
@@ -25,28 +26,31 @@ def stack(lower: list, upper: list) -> cd.Scene:
     return cd.Scene(bodies, [cd.Contact((bodies[0], "top"), (bodies[1], "bottom"), cd.LinearLayer(1e5))])
 
 
-def matrix(system: CoupledSystem, phi: dict) -> np.ndarray:
-    return np.column_stack([system.apply(phi, column) for column in np.eye(len(system.rigid.modes))])
+def together(scene: cd.Scene, local_solver: str = "condensed") -> Ensemble:
+    return Ensemble(scene.subproblems(local_solver), scene.interfaces)
+
+
+def matrix(ensemble: Ensemble, phi: dict) -> np.ndarray:
+    return np.column_stack([ensemble.tangent(phi, column) for column in np.eye(ensemble.size)])
 
 
 @pytest.mark.parametrize("way", ["full product", "sparse product", "sparse factor", "all unknowns"])
 def test_ways_of_assembly(way, monkeypatch):
-    """The correction solves the system that `apply` multiplies with, however the contact's term is found."""
+    """The correction solves the system that `tangent` multiplies with, however the contact's term is found."""
     if way == "sparse product":
-        monkeypatch.setattr(coupled, "LARGEST_PRODUCT", 0)
+        monkeypatch.setattr(ensembles, "LARGEST_PRODUCT", 0)
     if way == "sparse factor":
-        monkeypatch.setattr(coupled, "LARGEST_DENSE", 0)
+        monkeypatch.setattr(ensembles, "LARGEST_DENSE", 0)
     scene = stack([cd.Fixed("bottom")], [cd.Symmetry("left")])
-    problems = scene.subproblems("assembled" if way == "all unknowns" else "condensed")
-    system = CoupledSystem(problems, scene.interfaces)
-    assert isinstance(system._sums[0], np.ndarray) == (way == "full product")
+    ensemble = together(scene, "assembled" if way == "all unknowns" else "condensed")
+    system = CoupledSystem(ensemble)
+    assert isinstance(ensemble.closing, np.ndarray) == (way == "full product")
     random = np.random.default_rng(1)
     phi = {0: 1e5 * random.random(len(scene.interfaces[0].weights))}
-    residuals = [random.random(problem.size) for problem in problems]
+    residual = random.random(ensemble.size)
     for _ in range(2):  # nothing of the first φ is left in the second
-        found = np.concatenate(system.correct(phi, residuals, 1.0))
-        expected = np.concatenate(residuals)
-        assert system.apply(phi, found) == pytest.approx(expected, abs=1e-9)
+        found = system.correct(phi, residual, 1.0)
+        assert ensemble.tangent(phi, found) == pytest.approx(residual, abs=1e-9)
         phi = {0: phi[0][::-1]}
 
 
@@ -65,15 +69,15 @@ SUPPORTS = {
 def test_free_motions_are_the_null_space(supports):
     lower, upper, open_, closed = SUPPORTS[supports]
     scene = stack(lower, upper)
-    system = CoupledSystem(scene.subproblems("condensed"), scene.interfaces)
-    rigid, ones = system.rigid, np.ones(len(scene.interfaces[0].weights))
+    ensemble = together(scene)
+    rigid, ones = ensemble.rigid, np.ones(len(scene.interfaces[0].weights))
     for phi, count in ((0.0 * ones, open_), (1e5 * ones, closed), (1e9 * ones, closed)):
         free = rigid.free({0: phi})
         assert free.shape[1] == count
         assert free.T @ free == pytest.approx(np.eye(count), abs=1e-12)
-        assert np.abs(matrix(system, {0: phi}) @ rigid.modes @ free).max(initial=0.0) <= 1e-10 * rigid.largest
+        assert np.abs(matrix(ensemble, {0: phi}) @ rigid.modes @ free).max(initial=0.0) <= 1e-10 * rigid.largest
         ground = pivots(rigid.modes @ free)
-        held = matrix(system, {0: phi})
+        held = matrix(ensemble, {0: phi})
         held[ground, ground] += rigid.largest
         assert np.linalg.eigvalsh(held)[0] > 0.0
 
@@ -81,15 +85,15 @@ def test_free_motions_are_the_null_space(supports):
 def test_a_body_that_turns_about_the_only_closed_point():
     """A pressure on one point holds a body there, and not against turning: found though most motions are held."""
     scene = stack([cd.Fixed("bottom")], [])
-    system = CoupledSystem(scene.subproblems("condensed"), scene.interfaces)
+    ensemble = together(scene)
     phi = np.zeros(len(scene.interfaces[0].weights))
     phi[3] = 1e5
-    free = system.rigid.free({0: phi})
+    free = ensemble.rigid.free({0: phi})
     assert free.shape[1] == 2
-    assert np.abs(system._sums[0][3] @ system.rigid.modes @ free).max() < 1e-12
-    forces = system.rigid.modes @ free[:, 0]
+    assert np.abs(ensemble.closing[3] @ ensemble.rigid.modes @ free).max() < 1e-12
+    forces = ensemble.rigid.modes @ free[:, 0]
     with pytest.raises(LooseBodyError, match="upper"):
-        system.rigid.ground({0: phi}, forces, 1.0)
+        ensemble.rigid.ground({0: phi}, forces, 1.0)
 
 
 @pytest.mark.parametrize("zero", [1e-3, 0.3, 1.0, 5.0, 700.0])

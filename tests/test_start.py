@@ -8,7 +8,7 @@ import pytest
 
 import contactdd as cd
 from contactdd import start
-from contactdd.rigid import joint_motions
+from contactdd.ensemble import Ensemble
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 
@@ -23,23 +23,23 @@ def pair(distance: float, supports: list[object], load: float = 10.0) -> cd.Scen
 
 def test_floating_bodies_are_pressed_together():
     scene = groove.scene()
-    problems = scene.subproblems("condensed")
-    state = start.together(scene, problems, joint_motions(problems, scene.interfaces))
+    ensemble = Ensemble(scene.subproblems("condensed"), scene.interfaces)
+    state = start.together(ensemble)
     # 10 MPa on the whole contact: the law of the layer says how deep.
     assert state.gaps[0].min() == pytest.approx(-4e-6 * 10**1.1, rel=1e-12)
-    for y, deformation in zip(state.unknowns, state.deformations, strict=True):
-        assert np.abs(deformation).max() < 1e-14 * np.abs(y).max()
+    assert np.abs(state.deformation).max() < 1e-14 * np.abs(state.unknowns).max()
     # Both move by as much, as nothing tells them apart.
-    below, above = (problem.ports[0].trace @ y for problem, y in zip(problems, state.unknowns, strict=True))
+    parts = zip(ensemble.problems, ensemble.split(state.unknowns), strict=True)
+    below, above = (problem.ports[0].trace @ y for problem, y in parts)
     assert below == pytest.approx(above, rel=1e-12)
 
 
 @pytest.mark.parametrize("distance", [0.3, 0.0, -0.01])
 def test_only_what_floats_is_moved(distance):
     scene = pair(distance, [cd.Symmetry("left", "right")])
-    problems = scene.subproblems("condensed")
-    state = start.together(scene, problems, joint_motions(problems, scene.interfaces))
-    assert np.all(state.unknowns[0] == 0.0)
+    ensemble = Ensemble(scene.subproblems("condensed"), scene.interfaces)
+    state = start.together(ensemble)
+    assert np.all(state.unknowns[ensemble.parts[0]] == 0.0)
     assert state.gaps[0] == pytest.approx(-4e-6 * 10**1.1, rel=1e-9)  # 1e-13 of the distance
     solution = cd.solve(scene)
     assert solution.contact().force == pytest.approx(20.0, rel=1e-9)
@@ -57,6 +57,6 @@ def test_only_what_floats_is_moved(distance):
 )
 def test_what_is_held_or_not_pressed_stays(supports, load):
     scene = pair(0.05, supports, load)
-    problems = scene.subproblems("condensed")
-    state = start.together(scene, problems, joint_motions(problems, scene.interfaces))
-    assert all(np.all(y == 0.0) for y in state.unknowns)
+    ensemble = Ensemble(scene.subproblems("condensed"), scene.interfaces)
+    state = start.together(ensemble)
+    assert np.all(state.unknowns == 0.0)

@@ -1,0 +1,225 @@
+"""All bodies of a scene as one: a single vector y of unknowns, the energy F₁ (13) and the forces −F₁' that it gives."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from .rigid import RigidMotions, joint_motions
+
+if TYPE_CHECKING:
+    from .admissible import Operator
+    from .interface import Interface
+    from .start import State
+    from .subproblem import Subproblem
+
+Floats = NDArray[np.float64]
+
+#: Unknowns up to which matrices of all bodies are dense: one product, or one Cholesky factorisation, beats many of the
+#: bodies' blocks.
+LARGEST_DENSE = 600
+#: Products, points times unknowns squared, up to which the contacts' term is a product of full matrices: finding out
+#: where its entries are would take as long as some ten such products.
+LARGEST_PRODUCT = 4_000_000
+
+
+@dataclass(frozen=True)
+class Forces:
+    """The forces at an iterate.
+
+    tractions: g⁻(z) times the points' areas, of every interface; elastic: (unknowns,) A y; residual: (unknowns,) −F₁',
+    loads and contact forces less the elastic ones; size: ‖loads and contact forces‖, 0 where there are none.
+    """
+
+    tractions: list[Floats]
+    elastic: Floats
+    residual: Floats
+    size: float
+
+
+class Ensemble:
+    """The bodies' problems and the contacts between them, in the unknowns y of all bodies one after another.
+
+    parts: where each body's unknowns stand in y; points: where each interface's points stand among all of them;
+    weights: (points,) areas; load: (unknowns,); closing: (points, unknowns) from y to u_αn + u_βn, dense where small;
+    stiffness: of all bodies, dense where they are small together.
+    """
+
+    def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
+        self.problems, self.interfaces = problems, interfaces
+        self.parts = _slices(problem.size for problem in problems)
+        self.points = _slices(len(interface.weights) for interface in interfaces)
+        self.size = self.parts[-1].stop
+        self.weights = np.concatenate([interface.weights for interface in interfaces])
+        self.load = np.concatenate([problem.load for problem in problems])
+        self.dense = self.size <= LARGEST_DENSE and all(isinstance(p.stiffness, np.ndarray) for p in problems)
+        self.stiffness = self._along_diagonal([problem.stiffness for problem in problems])
+        self.closing = self._closing()
+        self._opening = self.closing.T
+        self._open = self._undeformed_gaps()
+        floating = [p.rigid.modes if p.rigid.floating else np.zeros((p.size, 0)) for p in problems]
+        self._floats = any(modes.shape[1] for modes in floating)
+        self._motions = self._along_diagonal(floating)
+        self._constant = sum(problem.constant for problem in problems)
+
+    @cached_property
+    def rigid(self) -> RigidMotions:
+        """The free rigid motions of all bodies together."""
+        return joint_motions(self.problems, self.interfaces)
+
+    def split(self, y: Floats) -> list[Floats]:
+        """Every body's part of y."""
+        return [y[part] for part in self.parts]
+
+    def by_interface(self, values: Floats) -> list[Floats]:
+        """Every interface's part of values at all points."""
+        return [values[part] for part in self.points]
+
+    def gaps(self, y: Floats) -> list[Floats]:
+        """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
+        return self.by_interface(self._open - self.closing @ y)
+
+    def deformation(self, y: Floats) -> Floats:
+        """y without the rigid motions of floating bodies: what elastic forces come from."""
+        return y - self._motions @ (self._motions.T @ y) if self._floats else y
+
+    def forces(self, state: State) -> Forces:
+        """−F₁' at an iterate, and what it is made of."""
+        tractions = self.tractions(state)
+        contact = self._opening @ np.concatenate(tractions)
+        elastic = self.stiffness @ state.deformation
+        return Forces(tractions, elastic, self.load + contact - elastic, math.hypot(norm(self.load), norm(contact)))
+
+    def tractions(self, state: State) -> list[Floats]:
+        """The contact stresses g⁻(z) times the points' areas, of every interface."""
+        contacts = zip(self.interfaces, state.gaps, strict=True)
+        return [i.weights * i.contact.layer.contact_stress(z) for i, z in contacts]
+
+    def energy(self, state: State, elastic: Floats | None = None) -> float:
+        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); elastic: the elastic forces, where they are known."""
+        forces = self.stiffness @ state.deformation if elastic is None else elastic
+        bodies = float(0.5 * state.deformation @ forces - self.load @ state.unknowns) + self._constant
+        return bodies + self.layer_energy(state)
+
+    def layer_energy(self, state: State) -> float:
+        """J = Σ ∫ ∫₀^z g⁻."""
+        contacts = zip(self.interfaces, state.gaps, strict=True)
+        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts)
+
+    def tangent(self, phi: Mapping[int, Floats], y: Floats) -> Floats:
+        """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system (17), (26), (27) times a vector.
+
+        phi: the coefficient at the points of each interface.
+        """
+        at_points = self.weights * self.at_all_points(phi) * (self.closing @ y)
+        return self.stiffness @ self.deformation(y) + self._opening @ at_points
+
+    def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
+        """A coefficient that is given by interface, at all points."""
+        return np.concatenate([phi[index] for index in range(len(self.interfaces))])
+
+    def change(self, step: Floats, y: Floats, at_nodes: bool) -> float:
+        """The largest over the bodies of ‖u_n of the step‖₂ / ‖u_n of y‖₂, at the contacts' points or nodes."""
+        trace, offset, starts = self._nodal_traces if at_nodes else self._traces
+        u_n = trace @ np.column_stack([step, y])
+        u_n[:, 1] += offset
+        moved, size = np.sqrt(np.add.reduceat(u_n * u_n, starts)).T.tolist()
+        return max(m / s if s > 0.0 else float(m > 0.0) for m, s in zip(moved, size, strict=True))
+
+    @cached_property
+    def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, list[int]]:
+        """From y to every body's u_n at the points of its contacts, the prescribed part, and where each body begins."""
+        traces = [_rows([port.trace for port in problem.ports]) for problem in self.problems]
+        offsets = [np.concatenate([port.offset for port in problem.ports]) for problem in self.problems]
+        return self._along_diagonal(traces), np.concatenate(offsets), _starts(offsets)
+
+    @cached_property
+    def _nodal_traces(self) -> tuple[Operator | BlockDiagonal, Floats, list[int]]:
+        """The same at the nodes of the contact surfaces."""
+        offsets = [problem.nodal_offset for problem in self.problems]
+        traces = BlockDiagonal([problem.nodal_trace for problem in self.problems])
+        return traces, np.concatenate(offsets), _starts(offsets)
+
+    def _along_diagonal(self, blocks: Sequence[Operator]) -> Floats | BlockDiagonal:
+        """The matrix with the bodies' blocks along its diagonal, dense if they all are and are small together."""
+        if not self.dense or not all(isinstance(block, np.ndarray) for block in blocks):
+            return BlockDiagonal(blocks)
+        return dense_diagonal(blocks)
+
+    def _closing(self) -> Operator:
+        """The operator from y to u_αn + u_βn at all points."""
+        shape = (len(self.weights), self.size)
+        ports = [(part, port) for part, p in zip(self.parts, self.problems, strict=True) for port in p.ports]
+        if self.dense and shape[0] * shape[1] ** 2 <= LARGEST_PRODUCT:
+            total = np.zeros(shape)
+            for part, port in ports:
+                total[self.points[port.interface], part] += port.trace
+            return total
+        traces = [scipy.sparse.coo_matrix(port.trace) for _, port in ports]
+        rows = [self.points[port.interface].start + t.row for (_, port), t in zip(ports, traces, strict=True)]
+        columns = [part.start + t.col for (part, _), t in zip(ports, traces, strict=True)]
+        entries = (np.concatenate([t.data for t in traces]), (np.concatenate(rows), np.concatenate(columns)))
+        return scipy.sparse.csr_matrix(entries, shape=shape)
+
+    def _undeformed_gaps(self) -> Floats:
+        """The gaps d less what the prescribed displacements close of them, at all points."""
+        gaps = np.concatenate([interface.gap for interface in self.interfaces])
+        for problem in self.problems:
+            for port in problem.ports:
+                gaps[self.points[port.interface]] -= port.offset
+        return gaps
+
+
+@dataclass(frozen=True)
+class BlockDiagonal:
+    """Matrices along a diagonal, each of which is applied to its own part of a vector (columns,) or (columns, n)."""
+
+    blocks: Sequence[Operator]
+
+    @property
+    def T(self) -> BlockDiagonal:
+        return BlockDiagonal([block.T for block in self.blocks])
+
+    def __matmul__(self, y: Floats) -> Floats:
+        parts = _slices(block.shape[1] for block in self.blocks)
+        return np.concatenate([block @ y[part] for block, part in zip(self.blocks, parts, strict=True)])
+
+
+def dense_diagonal(blocks: Sequence[Floats]) -> Floats:
+    """The matrix with the blocks along its diagonal."""
+    rows, columns = (_slices(block.shape[axis] for block in blocks) for axis in (0, 1))
+    matrix = np.zeros((rows[-1].stop, columns[-1].stop))
+    for row, column, block in zip(rows, columns, blocks, strict=True):
+        matrix[row, column] = block
+    return matrix
+
+
+def norm(vector: Floats) -> float:
+    """The Euclidean norm."""
+    return math.sqrt(vector @ vector)
+
+
+def _rows(blocks: Sequence[Operator]) -> Operator:
+    """Operators one below the other."""
+    if all(isinstance(block, np.ndarray) for block in blocks):
+        return np.vstack(blocks)
+    return scipy.sparse.vstack([scipy.sparse.csr_matrix(block) for block in blocks]).tocsr()
+
+
+def _slices(sizes: Iterable[int]) -> list[slice]:
+    """The places of parts of the given sizes, one after another."""
+    ends = list(itertools.accumulate(sizes, initial=0))
+    return [slice(*pair) for pair in itertools.pairwise(ends)]
+
+
+def _starts(parts: Sequence[Floats]) -> list[int]:
+    """Where each of the parts begins."""
+    return [part.start for part in _slices(map(len, parts))]
