@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from .rigid import RigidMotions, joint_motions
+from .rigid import RigidMotions, dense_diagonal, joint_motions
 
 if TYPE_CHECKING:
     from .admissible import Operator
@@ -35,11 +35,11 @@ LARGEST_PRODUCT = 4_000_000
 class Forces:
     """The forces at an iterate.
 
-    tractions: g⁻(z) times the points' areas, of every interface; elastic: (unknowns,) A y; residual: (unknowns,) −F₁',
+    tractions: (points,) g⁻(z) times the areas; elastic: (unknowns,) A y; residual: (unknowns,) −F₁',
     loads and contact forces less the elastic ones; size: ‖loads and contact forces‖, 0 where there are none.
     """
 
-    tractions: list[Floats]
+    tractions: Floats
     elastic: Floats
     residual: Floats
     size: float
@@ -73,7 +73,7 @@ class Ensemble:
     @cached_property
     def rigid(self) -> RigidMotions:
         """The free rigid motions of all bodies together."""
-        return joint_motions(self.problems, self.interfaces)
+        return joint_motions(self)
 
     def split(self, y: Floats) -> list[Floats]:
         """Every body's part of y."""
@@ -94,14 +94,14 @@ class Ensemble:
     def forces(self, state: State) -> Forces:
         """−F₁' at an iterate, and what it is made of."""
         tractions = self.tractions(state)
-        contact = self._opening @ np.concatenate(tractions)
+        contact = self._opening @ tractions
         elastic = self.stiffness @ state.deformation
         return Forces(tractions, elastic, self.load + contact - elastic, math.hypot(norm(self.load), norm(contact)))
 
-    def tractions(self, state: State) -> list[Floats]:
-        """The contact stresses g⁻(z) times the points' areas, of every interface."""
+    def tractions(self, state: State) -> Floats:
+        """The contact stresses g⁻(z) times the areas, at all points."""
         contacts = zip(self.interfaces, state.gaps, strict=True)
-        return [i.weights * i.contact.layer.contact_stress(z) for i, z in contacts]
+        return self.weights * np.concatenate([i.contact.layer.contact_stress(z) for i, z in contacts])
 
     def energy(self, state: State, elastic: Floats | None = None) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); elastic: the elastic forces, where they are known."""
@@ -191,15 +191,6 @@ class BlockDiagonal:
     def __matmul__(self, y: Floats) -> Floats:
         parts = _slices(block.shape[1] for block in self.blocks)
         return np.concatenate([block @ y[part] for block, part in zip(self.blocks, parts, strict=True)])
-
-
-def dense_diagonal(blocks: Sequence[Floats]) -> Floats:
-    """The matrix with the blocks along its diagonal."""
-    rows, columns = (_slices(block.shape[axis] for block in blocks) for axis in (0, 1))
-    matrix = np.zeros((rows[-1].stop, columns[-1].stop))
-    for row, column, block in zip(rows, columns, blocks, strict=True):
-        matrix[row, column] = block
-    return matrix
 
 
 def norm(vector: Floats) -> float:

@@ -261,14 +261,11 @@ class Run:
         descent = float(forces.residual @ correction)
         deformation = self.ensemble.deformation(correction)
         elastic = float(deformation @ (self.ensemble.stiffness @ deformation))
-        moves = self.ensemble.by_interface(self.ensemble.closing @ correction)
-        works = [move * traction for move, traction in zip(moves, forces.tractions, strict=True)]
-        work = sum(float(part.sum()) for part in works)
-        cancels = descent < CANCELLED * sum(float(np.abs(part).sum()) for part in works)
-        contacts = [
-            (interface.contact.layer, z, move, interface.weights * move)
-            for interface, z, move in zip(self.ensemble.interfaces, self.state.gaps, moves, strict=True)
-        ]
+        moves = self.ensemble.closing @ correction
+        works = moves * forces.tractions
+        work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
+        parts = zip(self.ensemble.interfaces, self.state.gaps, self.ensemble.by_interface(moves), strict=True)
+        contacts = [(i.contact.layer, z, move, i.weights * move) for i, z, move in parts]
 
         def growth(t: float) -> float:
             """How much more the layers resist the correction at t than at 0."""

@@ -21,8 +21,8 @@ from .errors import LooseBodyError
 from .kinematics import Kinematics
 
 if TYPE_CHECKING:
-    from .interface import Interface, Spread
-    from .subproblem import Subproblem
+    from .ensemble import Ensemble
+    from .interface import Spread
 
 Floats = NDArray[np.float64]
 
@@ -140,26 +140,25 @@ class RigidMotions:
         return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part))
 
 
-def joint_motions(problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> RigidMotions:
+def joint_motions(ensemble: Ensemble) -> RigidMotions:
     """The free rigid motions of all bodies together; a contact resists those that change its gap."""
-    count = sum(problem.rigid.modes.shape[1] for problem in problems)
-    closing = [np.zeros((len(interface.weights), count)) for interface in interfaces]
-    modes = np.zeros((sum(problem.size for problem in problems), count))
-    springs = np.zeros_like(modes)
+    motions = [problem.rigid for problem in ensemble.problems]
+    modes, springs = (dense_diagonal(blocks) for blocks in zip(*((m.modes, m.springs) for m in motions), strict=True))
+    closing = np.sqrt(ensemble.weights)[:, None] * (ensemble.closing @ modes)
+    contacts = [Resistance(index, rows) for index, rows in enumerate(ensemble.by_interface(closing))]
+    owners = [owner for each in motions for owner in each.owners]
+    return RigidMotions(modes, springs, contacts, owners, max(each.largest for each in motions))
+
+
+def dense_diagonal(blocks: Sequence[Floats]) -> Floats:
+    """The matrix with the blocks along its diagonal."""
+    matrix = np.zeros([sum(sizes) for sizes in zip(*(block.shape for block in blocks), strict=True)])
     row = column = 0
-    for problem in problems:
-        rows, columns = slice(row, row + problem.size), slice(column, column + problem.rigid.modes.shape[1])
-        modes[rows, columns], springs[rows, columns] = problem.rigid.modes, problem.rigid.springs
-        for port in problem.ports:
-            closing[port.interface][:, columns] += port.trace @ problem.rigid.modes
-        row, column = rows.stop, columns.stop
-    contacts = [
-        Resistance(index, np.sqrt(interface.weights)[:, None] * rows)
-        for index, (interface, rows) in enumerate(zip(interfaces, closing, strict=True))
-    ]
-    largest = max(problem.rigid.largest for problem in problems)
-    owners = [owner for problem in problems for owner in problem.rigid.owners]
-    return RigidMotions(modes, springs, contacts, owners, largest)
+    for block in blocks:
+        rows, columns = block.shape
+        matrix[row : row + rows, column : column + columns] = block
+        row, column = row + rows, column + columns
+    return matrix
 
 
 def _smallest(matrix: Floats) -> float:

@@ -266,7 +266,8 @@ class Solution:
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
-        problem, tractions = self._ensemble.problems[place], self._ensemble.tractions(self._state)
+        problem = self._ensemble.problems[place]
+        tractions = self._ensemble.by_interface(self._ensemble.tractions(self._state))
         total = np.zeros_like(problem.full_load)
         for port in problem.ports:
             total += port.side.trace.T @ tractions[port.interface]
