@@ -20,7 +20,7 @@ from .errors import MeshMismatchError
 from .field import evaluate
 from .isometry import Isometry
 from .quadrature import Rule, rule
-from .trace import FacetPoints, facet_corners, facet_type, normal_trace, surface_points
+from .trace import FacetPoints, facet_corners, facet_type, normal_trace, surface_points, surface_trace
 from .transfer import Partners, by_segments, matching, matching_on
 
 Floats = NDArray[np.float64]
@@ -43,7 +43,7 @@ class ContactSurface:
         self.points = surface_points(body.mesh.domain, self.entities, points)
         self.areas = (self.points.area.reshape(-1, len(points)) * weights).ravel()
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
-        self.trace = normal_trace(body.space, self.points)
+        self.trace = surface_trace(body.space, self.entities, points, self.points.normal)
 
     def copied(self, body: Body, isometry: Isometry) -> ContactSurface:
         """The same surface of a body on a copy of the mesh, of the same degree."""
@@ -109,7 +109,7 @@ class ContactSurface:
         points = surface_points(domain, self.entities, nodes)
         size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
         _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)
-        return normal_trace(self.body.space, points)[np.sort(first)]
+        return surface_trace(self.body.space, self.entities, nodes, points.normal)[np.sort(first)]
 
     @cached_property
     def robin(self) -> RobinTerm:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import basix
 import numpy as np
@@ -55,27 +56,22 @@ def facet_entities(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> NDArray[np.
 
 def facet_points(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> FacetPoints:
     """One point on each of the facets `entities` (n, 2), at the reference facet's coordinates `points` (n, dim - 1)."""
-    frame, local = _reference_facets(compat.coordinate_map(domain).cell_type), entities[:, 1]
-    reference = frame.to_cell(local, points)
-    x, edges = _map(domain, entities[:, 0], reference)
-    # Nanson's formula: the reference normal times the area becomes det J J⁻ᵀN, J's cofactors times N.
-    cofactors = _cofactors(edges)
-    mapped = np.matmul(frame.normals[local][:, None], cofactors)[:, 0]
-    length, determinant = np.sqrt(_dot(mapped, mapped)), _dot(edges[:, 0], cofactors[:, 0])
-    normal = mapped / np.copysign(length, determinant)[:, None]
-    return FacetPoints(entities[:, 0], reference, x, normal, frame.areas[local] * length)
+    reference, table = _tabulated(compat.coordinate_map(domain), entities[:, 1], points)
+    return _facet_points(domain, entities[:, 0], reference[:, None], table[:, None])
 
 
 def surface_points(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> FacetPoints:
     """The same points (p, dim − 1) of the reference facet on each of the facets `entities` (n, 2), facet by facet."""
-    return facet_points(domain, np.repeat(entities, len(points), axis=0), np.tile(points, (len(entities), 1)))
+    reference, table = _rule_table(compat.coordinate_map(domain), points.tobytes())
+    cells, local = entities.T
+    return _facet_points(domain, cells, reference[local], table[local])
 
 
 def facet_map(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -> tuple[Floats, Floats]:
     """x (n, dim) and its derivatives (n, dim, dim − 1) by the reference facet's coordinates, one point per facet."""
-    frame, local = _reference_facets(compat.coordinate_map(domain).cell_type), entities[:, 1]
-    x, edges = _map(domain, entities[:, 0], frame.to_cell(local, points))
-    return x, np.swapaxes(np.matmul(frame.axes[local], edges), 1, 2)
+    _, table = _tabulated(compat.coordinate_map(domain), entities[:, 1], points)
+    x, derivatives = _map(domain, entities[:, 0], table[:, None])
+    return x, np.swapaxes(derivatives[:, :-1], 1, 2)
 
 
 def facet_corners(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> Floats:
@@ -98,37 +94,48 @@ def normal_trace(
 
     normal: (n, dim), another direction than the outward normal.
     """
-    direction = points.normal if normal is None else normal
     basis = space.element.basix_element.tabulate(0, points.reference)[0, :, :, 0]
-    dofmap = space.dofmap
-    dim, count = dofmap.bs, dofmap.index_map.size_local + dofmap.index_map.num_ghosts
+    point, node = np.nonzero(np.abs(basis) > 1e-14)
+    nodes = space.dofmap.list[points.cells[point], node]
+    return _normal_operator(space, point, nodes, basis[point, node], points.normal if normal is None else normal)
+
+
+def surface_trace(
+    space: fem.FunctionSpace, entities: NDArray[np.int32], points: Floats, normal: Floats
+) -> scipy.sparse.csr_matrix:
+    """The same operator at the points of `surface_points`, with the normals there, (n · p, dofs)."""
+    nodes, basis = _rule_basis(space.ufl_element().basix_element, points.tobytes())
+    cells, local = entities.T
+    point = np.repeat(np.arange(len(normal)), nodes.shape[1])
+    seen = np.repeat(space.dofmap.list[cells[:, None], nodes[local]], len(points), axis=0)
+    return _normal_operator(space, point, seen.ravel(), basis[local].ravel(), normal)
+
+
+def _normal_operator(
+    space: fem.FunctionSpace, point: NDArray[np.intp], nodes: NDArray[np.int32], basis: Floats, direction: Floats
+) -> scipy.sparse.csr_matrix:
+    """u along directions (n, dim) at n points, from the basis functions seen there (m,): point by point, each one's
+    node and value."""
+    dim, size = space.dofmap.bs, space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
+    values = basis[:, None] * direction[point]
     # Exact zeros (inner nodes, the components along a flat surface) must not become unknowns of the contact.
-    seen = np.flatnonzero(np.abs(basis) > 1e-14)
-    point, node = np.divmod(seen, basis.shape[1])
-    values = basis.ravel()[seen][:, None] * direction[point]
     pair, component = np.nonzero(np.abs(values) > 1e-14)
-    columns = dofmap.list[points.cells[point], node][pair] * dim + component
-    ends = np.searchsorted(point[pair], np.arange(len(basis) + 1))
+    columns = nodes[pair] * dim + component
+    ends = np.searchsorted(point[pair], np.arange(len(direction) + 1))
     entries = (values[pair, component], columns.astype(np.int32), ends.astype(np.int32))
-    operator = scipy.sparse.csr_matrix(entries, shape=(len(basis), dim * count))
+    operator = scipy.sparse.csr_matrix(entries, shape=(len(direction), dim * size))
     operator.sort_indices()
     return operator
 
 
 @dataclass(frozen=True)
 class _ReferenceFacets:
-    """The facets of the reference cell: corners (f, c) the vertices in order around each, origins (f, dim), axes
-    (f, dim − 1, dim), outward normals (f, dim), areas (f,) per unit of the reference facet."""
+    """The facets of the reference cell: corners (f, c) the vertices in order around each, origins (f, dim), axes (f,
+    dim, dim) those of its dim − 1 coordinates and the outward normal."""
 
     corners: NDArray[np.intp]
     origins: Floats
     axes: Floats
-    normals: Floats
-    areas: Floats
-
-    def to_cell(self, local: NDArray[np.int32], points: Floats) -> Floats:
-        """Coordinates in the reference cell of points (n, dim − 1) of its facets `local` (n,)."""
-        return self.origins[local] + np.matmul(points[:, None], self.axes[local])[:, 0]
 
 
 @cache
@@ -137,23 +144,61 @@ def _reference_facets(cell: basix.CellType) -> _ReferenceFacets:
     dim = vertices.shape[1]
     facets = np.array(basix.topology(cell)[dim - 1])
     around = [0, 1, 3, 2] if facets.shape[1] == 4 else list(range(facets.shape[1]))  # basix counts row by row
-    normals = np.asarray(basix.cell.facet_outward_normals(cell)).reshape(-1, dim)
     origins = vertices[facets[:, 0]]
-    axes = vertices[facets[:, 1:dim]] - origins[:, None]
-    areas = np.linalg.norm(axes[:, 0], axis=1) if dim == 2 else np.linalg.norm(np.cross(axes[:, 0], axes[:, 1]), axis=1)
-    return _ReferenceFacets(facets[:, around], origins, axes, normals, areas)
+    normals = np.asarray(basix.cell.facet_outward_normals(cell)).reshape(-1, 1, dim)
+    axes = np.concatenate([vertices[facets[:, 1:dim]] - origins[:, None], normals], axis=1)
+    return _ReferenceFacets(facets[:, around], origins, axes)
 
 
-def _map(domain: dmesh.Mesh, cells: NDArray[np.int32], reference: Floats) -> tuple[Floats, Floats]:
-    """x (n, dim) and its derivatives by each reference coordinate, (n, dim, dim) the rows of Jᵀ, at points of the
-    reference cell, one per cell."""
-    table = compat.coordinate_map(domain).tabulate(1, reference)[:, :, :, 0]
-    nodes = domain.geometry.x[compat.geometry_dofmap(domain)[cells]][:, :, : domain.topology.dim]
+def _tabulated(element: Any, local: NDArray[np.intp], points: Floats) -> tuple[Floats, Floats]:
+    """Points (n, dim − 1) of the facets `local` (n,) in the reference cell, (n, dim), and a scalar element there: its
+    functions and their derivatives along the facet's axes and the outward normal, (n, 1 + dim, nodes)."""
+    frame = _reference_facets(element.cell_type)
+    axes = frame.axes[local]
+    reference = frame.origins[local] + np.matmul(points[:, None], axes[:, :-1])[:, 0]
+    table = element.tabulate(1, reference)[:, :, :, 0].transpose(1, 0, 2)
+    return reference, np.concatenate([table[:, :1], np.matmul(axes, table[:, 1:])], axis=1)
+
+
+@cache
+def _rule_table(element: Any, rule: bytes) -> tuple[Floats, Floats]:
+    """What `_tabulated` gives at the points of a rule, their bytes, on every facet of the cell: (f, p, ...) each."""
+    facets, dim = _reference_facets(element.cell_type).origins.shape
+    points = np.frombuffer(rule).reshape(-1, dim - 1)
+    local = np.repeat(np.arange(facets), len(points))
+    reference, table = _tabulated(element, local, np.tile(points, (facets, 1)))
+    return reference.reshape(facets, -1, dim), table.reshape(facets, -1, *table.shape[1:])
+
+
+@cache
+def _rule_basis(element: Any, rule: bytes) -> tuple[NDArray[np.intp], Floats]:
+    """The nodes on every facet of the reference cell, (f, k), and their functions at the rule's points, (f, p, k)."""
+    nodes = np.array(element.entity_closure_dofs[-2])
+    return nodes, np.take_along_axis(_rule_table(element, rule)[1][:, :, 0], nodes[:, None], axis=2)
+
+
+def _facet_points(domain: dmesh.Mesh, cells: NDArray[np.int32], reference: Floats, table: Floats) -> FacetPoints:
+    """From where p points on a facet of each of n cells are in the reference cell, (n, p, dim), and the table there."""
+    x, derivatives = _map(domain, cells, table)
+    across = _across(derivatives[:, :-1])
+    area = np.sqrt(_dot(across, across))
+    # What is outward in the reference cell is outward in every cell, also in one of negative det J.
+    normal = across / np.copysign(area, _dot(across, derivatives[:, -1]))[:, None]
+    return FacetPoints(np.repeat(cells, reference.shape[1]), reference.reshape(x.shape), x, normal, area)
+
+
+def _map(domain: dmesh.Mesh, cells: NDArray[np.int32], table: Floats) -> tuple[Floats, Floats]:
+    """x (n · p, dim) and its derivatives (n · p, dim, dim), one direction a row, at p points of each of n cells.
+
+    table: (n, p, 1 + dim, nodes) the coordinate element there, as `_tabulated` gives it.
+    """
+    (n, p, rows, size), dim = table.shape, domain.topology.dim
+    nodes = domain.geometry.x[compat.geometry_dofmap(domain)[cells], :dim]
     # Seen from a corner of the cell, a small cell far from the origin loses no digits of its shape.
     corner = nodes[:, :1]
-    # One product for all: the point itself, and the derivatives by the dim reference coordinates.
-    mapped = np.matmul(table.transpose(1, 0, 2), nodes - corner)
-    return mapped[:, 0] + corner[:, 0], mapped[:, 1:]
+    # One product for all: the points themselves, and the derivatives.
+    mapped = np.matmul(table.reshape(n, p * rows, size), nodes - corner).reshape(n, p, rows, dim)
+    return (mapped[:, :, 0] + corner).reshape(n * p, dim), mapped[:, :, 1:].reshape(n * p, dim, dim)
 
 
 def _dot(a: Floats, b: Floats) -> Floats:
@@ -161,8 +206,8 @@ def _dot(a: Floats, b: Floats) -> Floats:
     return np.einsum("ij,ij->i", a, b)
 
 
-def _cofactors(rows: Floats) -> Floats:
-    """The cofactors of matrices (n, dim, dim): row i times row j of them is the determinant if i = j, else zero."""
-    if rows.shape[1] == 2:
-        return rows[:, ::-1, ::-1] * np.array([[1.0, -1.0], [-1.0, 1.0]])
-    return np.cross(rows[:, [1, 2, 0]], rows[:, [2, 0, 1]])
+def _across(tangents: Floats) -> Floats:
+    """The vectors across dim − 1 tangents (n, dim − 1, dim), as long as the area that these span, (n, dim)."""
+    if tangents.shape[1] == 1:
+        return tangents[:, 0, ::-1] * np.array([1.0, -1.0])
+    return np.cross(tangents[:, 0], tangents[:, 1])

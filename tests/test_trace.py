@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy
@@ -9,8 +11,10 @@ import scipy
 import contactdd as cd
 from contactdd.interface import ContactSurface, Spread, discretise
 from contactdd.quadrature import rule
+from contactdd.trace import facet_points, facet_type, normal_trace
 from contactdd.transfer import _nearest
 
+MESHES = Path(__file__).parents[1] / "meshes"
 STEEL = cd.Isotropic(2.1e5, 0.3)
 KINDS = ("triangle", "quadrilateral", "tetrahedron", "hexahedron")
 
@@ -63,6 +67,20 @@ def test_trace_of_a_linear_displacement(shape, degree):
     u = (body.space.tabulate_dof_coordinates()[:, : body.mesh.dim] @ gradient.T).ravel()
     expected = np.sum((side.points.x @ gradient.T) * side.points.normal, axis=1)
     assert side.trace @ u == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("shape", [*KINDS, "curved"])
+def test_a_surface_is_its_points(shape):
+    """What is tabulated once for all facets agrees with the same points given one by one, on curved cells too."""
+    mesh = cd.read_gmsh(MESHES / "groove.geo", order=2) if shape == "curved" else bent(shape)
+    name = "top" if shape == "curved" else "boundary"
+    side = ContactSurface(cd.Body("body", mesh, STEEL, degree=3), name, rule("gauss", 3))
+    rule_points, _ = side.rule.points(facet_type(mesh.domain))
+    entities = np.repeat(side.entities, len(rule_points), axis=0)
+    points = facet_points(mesh.domain, entities, np.tile(rule_points, (len(side.entities), 1)))
+    for part in ("cells", "reference", "x", "normal", "area"):
+        assert getattr(side.points, part) == pytest.approx(getattr(points, part), abs=1e-14)
+    assert abs(side.trace - normal_trace(side.body.space, points)).max() < 1e-14
 
 
 def test_only_the_nodes_that_are_seen_count():
