@@ -94,6 +94,8 @@ def _overlaps_of_polygons(first: Floats, second: Floats) -> tuple[Indices, Float
     first, second = _counter_clockwise(first), _counter_clockwise(second)
     boxes = (first.max(axis=1) > second.min(axis=1)) & (second.max(axis=1) > first.min(axis=1))
     pair = np.flatnonzero(boxes.all(axis=1))
+    if len(pair) == 0:
+        return pair, np.zeros((0, 3, 2))
     first, second = first[pair], second[pair]
     smaller = np.minimum(_areas(first), _areas(second))
     polygon, count = _without_rounding(*_clip(first, second), smaller)

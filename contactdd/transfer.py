@@ -164,6 +164,8 @@ def by_segments(contact: Contact, first: ContactSurface, second: ContactSurface,
     simplex = basix.CellType.interval if first.body.mesh.dim == 2 else basix.CellType.triangle
     rule = basix.make_quadrature(simplex, first.rule.degree)
     found = segments(first.corners[pairs[0]], second.corners[pairs[1]], common, *rule)
+    if len(found.pair) == 0:  # an element is not asked for its values at no point
+        raise MeshMismatchError(_why_none(contact, first, second, reach))
     facets = (pairs[0][found.pair], pairs[1][found.pair])
     partners = _opposite(sides, facets, found.line, common[found.pair], found.weight, found.pair)
     partners = _within(partners, reach)

@@ -531,9 +531,17 @@ def test_surfaces_that_point_the_same_way_are_refused(upper):
         two(cd.rectangle(*LOWER), cd.rectangle(*upper), second="top").interfaces  # noqa: B018
 
 
-def test_surfaces_beside_each_other_are_refused():
+@pytest.mark.parametrize("shape", ["triangle", "quadrilateral"])
+def test_surfaces_beside_each_other_are_refused(shape):
     with pytest.raises(cd.MeshMismatchError, match="do not overlap"):
-        two(cd.rectangle(*LOWER), cd.rectangle((4.5, 1), (6, 2), (5, 3))).interfaces  # noqa: B018
+        two(cd.rectangle(*LOWER, shape=shape), cd.rectangle((4.5, 1), (6, 2), (5, 3), shape=shape)).interfaces  # noqa: B018
+
+
+@pytest.mark.parametrize("shape", ["tetrahedron", "hexahedron"])
+def test_surfaces_beside_each_other_in_space_are_refused(shape):
+    lower = cd.box((0, 0, 0), (1, 1, 1), (2, 2, 1), shape=shape)
+    with pytest.raises(cd.MeshMismatchError, match="do not overlap"):
+        two(lower, cd.box((1.2, 0, 1), (2, 1, 2), (3, 2, 1), shape=shape)).interfaces  # noqa: B018
 
 
 @pytest.mark.parametrize("cells", [7, 11])
