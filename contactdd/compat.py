@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
+from copy import copy
 from functools import cache
 from typing import Any
 
@@ -101,10 +102,21 @@ def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
     )
 
 
+def with_cell(element: Any) -> Any:
+    """The same basix element with its UFL cell: others make a new one, which is slow, whenever UFL asks."""
+
+    class WithCell(type(element)):
+        cell = element.cell
+
+    same = copy(element)
+    same.__class__ = WithCell
+    return same
+
+
 @cache
 def _straight_element(cell: dmesh.CellType) -> Any:
     """The coordinate element that dolfinx gives to structured meshes."""
-    return _sample(cell).ufl_domain().ufl_coordinate_element()
+    return with_cell(_sample(cell).ufl_domain().ufl_coordinate_element())
 
 
 @cache
