@@ -86,8 +86,9 @@ class AffineCells:
         """The elastic forces a(u, ·) of all degrees of freedom."""
         dim, (count, nodes) = self.dim, self.nodes.shape
         dofs = self.dofs(np.arange(nodes))
-        derivatives = u[dofs].reshape(-1, nodes) @ self.integrals.full.reshape(-1, nodes).T  # Σ_j u_jb ∫ ∂_k φ_i ∂_l φ_j
-        local = self.tensors.reshape(count, dim, -1) @ derivatives.reshape(count, -1, nodes)
+        # Σ_j u_jb ∫ ∂_k φ_i ∂_l φ_j of every cell, to be summed over b, k and l
+        moments = u[dofs].reshape(-1, nodes) @ self.integrals.full.reshape(-1, nodes).T
+        local = self.tensors.reshape(count, dim, -1) @ moments.reshape(count, -1, nodes)
         return np.bincount(dofs.ravel(), local.ravel(), len(u))
 
     def parts(self) -> Iterator[slice]:

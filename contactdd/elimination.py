@@ -95,16 +95,16 @@ class Dense:
         self.complement = matrix[size:, size:] - self._half.T @ self._half
 
     def reduced(self, forces: Floats) -> tuple[Floats, float]:
-        half = self._forward(forces)
+        half = self._triangular(forces[: self._size])
         return forces[self._size :] - half @ self._half, float(half @ half)
 
     def extended(self, kept: Floats, forces: Floats) -> Floats:
-        half = self._forward(forces) - self._half @ kept
-        return np.concatenate([scipy.linalg.blas.dtrsm(1.0, self._lower, half[:, None], lower=1, trans_a=1)[:, 0], kept])
+        half = self._triangular(forces[: self._size]) - self._half @ kept
+        return np.concatenate([self._triangular(half, transposed=True), kept])
 
-    def _forward(self, forces: Floats) -> Floats:
-        """L⁻¹ f_e."""
-        return scipy.linalg.blas.dtrsm(1.0, self._lower, forces[: self._size, None], lower=1)[:, 0]
+    def _triangular(self, rhs: Floats, transposed: bool = False) -> Floats:
+        """L⁻¹ b, or L⁻ᵀ b."""
+        return scipy.linalg.blas.dtrsm(1.0, self._lower, rhs[:, None], lower=1, trans_a=transposed)[:, 0]
 
 
 class Cellwise:

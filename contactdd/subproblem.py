@@ -474,7 +474,7 @@ def _eliminated(
 def _hold(modes: Floats) -> bool:
     """Whether no combination of rigid modes vanishes at the given unknowns."""
     if modes.shape[1] <= 1:
-        return bool(np.all(np.any(modes, axis=0)))
+        return bool(modes.any(axis=0).all())
     singular = np.linalg.svd(modes, compute_uv=False)
     return len(singular) == modes.shape[1] and singular[-1] > 1e-8 * singular[0]
 
