@@ -60,23 +60,13 @@ def compiled(expression: Any) -> fem.CompiledForm:
     )
 
 
-def form_with_constant(
-    shared: fem.CompiledForm,
-    spaces: Sequence[fem.FunctionSpace],
-    kind: fem.IntegralType,
-    part: tuple[int, NDArray[np.int32]],
-    value: NDArray[np.float64],
-) -> fem.Form:
-    """A compiled form of one constant and one integral, on a part (number, entities) of the spaces' mesh.
-
-    As `fem.create_form` makes it, which looks through the whole form for its constants.
-    """
+def bound(shared: fem.CompiledForm, spaces: Sequence[fem.FunctionSpace], subdomains: Any, constant: Any) -> fem.Form:
+    """A compiled form of one constant, as `fem.create_form` makes it, which searches the whole form for constants."""
     pointer = shared.module.ffi.cast("uintptr_t", shared.module.ffi.addressof(shared.ufcx_form))
-    constants = {"c0": cpp.fem.Constant_float64(value)}
+    constants = {"c0": cpp.fem.Constant_float64(np.asarray(constant, dtype=float))}
     maps: Any = [] if HAS_ENTITY_MAP else {}
-    domain = spaces[0].mesh._cpp_object
-    cpp_spaces = [space._cpp_object for space in spaces]
-    made = cpp.fem.create_form_float64(pointer, cpp_spaces, {}, constants, {kind: [part]}, maps, domain)
+    domain, spaces = spaces[0].mesh._cpp_object, [space._cpp_object for space in spaces]
+    made = cpp.fem.create_form_float64(pointer, spaces, {}, constants, subdomains, maps, domain)
     return fem.Form(made, shared.ufcx_form, shared.code)
 
 

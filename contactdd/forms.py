@@ -72,8 +72,7 @@ class SharedForm:
     def on(self, body: Body, value: ArrayLike, entities: NDArray[np.int32]) -> fem.Form:
         """The form on cells or (cell, local facet) pairs of a body, with the constant's value."""
         kind, number = self.place
-        spaces, constant = [body.space] * self.arguments, np.asarray(value, dtype=float)
-        return compat.form_with_constant(self.compiled, spaces, kind, (number, entities), constant)
+        return compat.bound(self.compiled, [body.space] * self.arguments, {kind: [(number, entities)]}, value)
 
 
 @cache
