@@ -11,6 +11,7 @@ matrices are one product of matrices. At high degrees this is many times faster 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -32,11 +33,23 @@ Indices = NDArray[np.intp]
 WORTHWHILE = 0.11
 
 
+@dataclass(frozen=True)
+class ReferenceIntegrals:
+    """∫ ∂_k φ_i ∂_l φ_j over the reference cell, (dim, dim, nodes, nodes): of all nodes, of those inside of the cell,
+    of these with those on its boundary, and of the latter."""
+
+    full: Floats
+    inner: Floats
+    coupling: Floats
+    outer: Floats
+
+
 class AffineCells:
     """A body of affine cells and one material, its stiffness cell by cell.
 
     jacobians: (cells, dim, dim) J; reach: the largest coordinate; material: (dim, dim, dim, dim) C_ambn; nodes: (cells,
-    nodes) of the body's space; inner, outer: those of the reference cell that lie inside of it, and on its boundary.
+    nodes) of the body's space; inner, outer: those of the reference cell that lie inside of it, and on its boundary;
+    integrals: over the reference cell.
     """
 
     #: How many entries of the cells' matrices are made at a time.
@@ -49,7 +62,7 @@ class AffineCells:
         self.reach = float(np.abs(body.mesh.domain.geometry.x).max())
         self.nodes = body.space.dofmap.list
         self.inner, self.outer = _inner_and_outer(element)
-        self._integrals = _reference_integrals(element)
+        self.integrals = _reference_integrals(element)
 
     @cached_property
     def tensors(self) -> Floats:
@@ -58,25 +71,25 @@ class AffineCells:
         volumes = np.abs(np.linalg.det(self.jacobians))[:, None, None, None, None]
         return volumes * (inverse @ self.material.transpose(0, 2, 1, 3) @ np.swapaxes(inverse, 3, 4))
 
-    def block(self, rows: Indices, columns: Indices, part: slice = slice(None)) -> Floats:
-        """The matrices of some of the cells between the displacements of some of their nodes.
+    def block(self, integrals: Floats, part: slice = slice(None)) -> Floats:
+        """The matrices of some of the cells between some of their nodes, from the reference cell's integrals of these.
 
-        Shape (cells, dim · rows, dim · columns): all nodes' first components, then the second ones.
+        integrals: (dim, dim, n, m). Shape (cells, dim · n, dim · m): all nodes' first components, then the second ones.
         """
         dim, tensors = self.dim, self.tensors[part]
-        integrals = self._integrals[:, :, rows[:, None], columns].reshape(dim**2, -1)
-        products = tensors.reshape(-1, dim**2) @ integrals
-        blocks = products.reshape(len(tensors), dim, dim, len(rows), len(columns)).swapaxes(2, 3)
-        return blocks.reshape(len(tensors), dim * len(rows), dim * len(columns))
+        rows, columns = integrals.shape[2:]
+        products = tensors.reshape(-1, dim**2) @ integrals.reshape(dim**2, -1)
+        blocks = products.reshape(len(tensors), dim, dim, rows, columns).swapaxes(2, 3)
+        return blocks.reshape(len(tensors), dim * rows, dim * columns)
 
     def forces(self, u: Floats) -> Floats:
         """The elastic forces a(u, ·) of all degrees of freedom."""
-        nodes, total = np.arange(self.nodes.shape[1]), np.zeros(len(u))
-        dofs = self.dofs(nodes)
-        for part in self.parts():
-            local = self.block(nodes, nodes, part) @ u[dofs[part]][:, :, None]
-            total += np.bincount(dofs[part].ravel(), local.ravel(), len(u))
-        return total
+        dim, (count, nodes) = self.dim, self.nodes.shape
+        dofs = self.dofs(np.arange(nodes))
+        # Σ_j u_jb ∫ ∂_k φ_i ∂_l φ_j of every cell, to be summed over b, k and l
+        moments = u[dofs].reshape(-1, nodes) @ self.integrals.full.reshape(-1, nodes).T
+        local = self.tensors.reshape(count, dim, -1) @ moments.reshape(count, -1, nodes)
+        return np.bincount(dofs.ravel(), local.ravel(), len(u))
 
     def parts(self) -> Iterator[slice]:
         """The cells, so many at a time that their matrices are not too large together."""
@@ -147,12 +160,13 @@ def _vertices(cell: basix.CellType) -> tuple[Floats, Indices]:
 
 
 @cache
-def _reference_integrals(element: Any) -> Floats:
-    """∫ ∂_k φ_i ∂_l φ_j over the reference cell, (dim, dim, nodes, nodes)."""
-    scalar = element.basix_element
+def _reference_integrals(element: Any) -> ReferenceIntegrals:
+    scalar, (inner, outer) = element.basix_element, _inner_and_outer(element)
     points, weights = basix.make_quadrature(scalar.cell_type, 2 * scalar.degree)
     table = scalar.tabulate(1, points)[1:, :, :, 0]
-    return np.einsum("q,kqi,lqj->klij", weights, table, table, optimize=True)
+    full = np.einsum("q,kqi,lqj->klij", weights, table, table, optimize=True)
+    rows = full[:, :, inner]
+    return ReferenceIntegrals(full, rows[..., inner], rows[..., outer], full[:, :, outer[:, None], outer])
 
 
 @cache

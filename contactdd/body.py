@@ -192,4 +192,4 @@ class Body:
 @cache
 def _lagrange(cell: str, degree: int, components: int) -> Any:
     """The Lagrange element of vectors."""
-    return basix.ufl.element("Lagrange", cell, degree, shape=(components,))
+    return compat.with_cell(basix.ufl.element("Lagrange", cell, degree, shape=(components,)))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
+from copy import copy
 from functools import cache
 from typing import Any
 
@@ -59,6 +60,16 @@ def compiled(expression: Any) -> fem.CompiledForm:
     )
 
 
+def bound(shared: fem.CompiledForm, spaces: Sequence[fem.FunctionSpace], subdomains: Any, constant: Any) -> fem.Form:
+    """A compiled form of one constant, as `fem.create_form` makes it, which searches the whole form for constants."""
+    pointer = shared.module.ffi.cast("uintptr_t", shared.module.ffi.addressof(shared.ufcx_form))
+    constants = {"c0": cpp.fem.Constant_float64(np.asarray(constant, dtype=float))}
+    maps: Any = [] if HAS_ENTITY_MAP else {}
+    domain, spaces = spaces[0].mesh._cpp_object, [space._cpp_object for space in spaces]
+    made = cpp.fem.create_form_float64(pointer, spaces, {}, constants, subdomains, maps, domain)
+    return fem.Form(made, shared.ufcx_form, shared.code)
+
+
 def _jit_options() -> dict[str, Any]:
     return {"timeout": TIMEOUT, "cffi_extra_compile_args": compiler.flags()}
 
@@ -101,10 +112,21 @@ def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
     )
 
 
+def with_cell(element: Any) -> Any:
+    """The same basix element with its UFL cell: others make a new one, which is slow, whenever UFL asks."""
+
+    class WithCell(type(element)):
+        cell = element.cell
+
+    same = copy(element)
+    same.__class__ = WithCell
+    return same
+
+
 @cache
 def _straight_element(cell: dmesh.CellType) -> Any:
     """The coordinate element that dolfinx gives to structured meshes."""
-    return _sample(cell).ufl_domain().ufl_coordinate_element()
+    return with_cell(_sample(cell).ufl_domain().ufl_coordinate_element())
 
 
 @cache

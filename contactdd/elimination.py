@@ -1,8 +1,8 @@
 """The inside of a body eliminated, so that only the unknowns that its contacts touch are left.
 
-`Whole` eliminates it at once by MUMPS. `Cellwise` first eliminates what lies inside of every cell, many small dense
-problems alike, and hands the rest to MUMPS: for elements of high degree. `Image` borrows the elimination of a body of
-which this one is a moved or mirrored copy.
+`Whole` eliminates it at once by MUMPS, `Dense` by LAPACK. `Cellwise` first eliminates what lies inside of every cell,
+many small dense problems alike, and hands the rest to one of them: for elements of high degree. `Image` borrows the
+elimination of a body of which this one is a moved or mirrored copy.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from .admissible import AdmissibleSpace
 from .affine import AffineCells
-from .factor import DenseFactor, Factor, SpreadFactor
+from .factor import Factor, SpreadFactor
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -44,12 +44,9 @@ class Elimination(Protocol):
 class Whole:
     """Everything eliminated at once, by this rank or by those of `comm` together."""
 
-    def __init__(self, matrix: scipy.sparse.csr_matrix | Floats, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) -> None:
+    def __init__(self, matrix: scipy.sparse.csr_matrix, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self._matrix, self._kept = matrix, kept
-        if isinstance(matrix, np.ndarray):
-            self._factor: DenseFactor | Factor | SpreadFactor = DenseFactor(matrix, kept)
-        else:
-            self._factor = Factor(matrix, kept) if comm.size == 1 else SpreadFactor(matrix, kept, comm)
+        self._factor = Factor(matrix, kept) if comm.size == 1 else SpreadFactor(matrix, kept, comm)
 
     @property
     def complement(self) -> Floats:
@@ -86,6 +83,30 @@ class Whole:
         return alike and bool(np.abs(own.data - matrix.data).max(initial=0.0) <= rounding)
 
 
+class Dense:
+    """A small dense matrix whose last unknowns are kept, by LAPACK: MUMPS has more to do before it begins."""
+
+    def __init__(self, matrix: Floats, kept: int) -> None:
+        self._size = size = len(matrix) - kept
+        self._lower, info = scipy.linalg.lapack.dpotrf(matrix[:size, :size].T, lower=1, clean=0)
+        if info != 0:
+            raise np.linalg.LinAlgError("the matrix of the eliminated unknowns is not positive definite")
+        self._half = scipy.linalg.blas.dtrsm(1.0, self._lower, matrix[size:, :size].T, lower=1)  # L⁻¹ K_ec, K_ee = L Lᵀ
+        self.complement = matrix[size:, size:] - self._half.T @ self._half
+
+    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+        half = self._triangular(forces[: self._size])
+        return forces[self._size :] - half @ self._half, float(half @ half)
+
+    def extended(self, kept: Floats, forces: Floats) -> Floats:
+        half = self._triangular(forces[: self._size]) - self._half @ kept
+        return np.concatenate([self._triangular(half, transposed=True), kept])
+
+    def _triangular(self, rhs: Floats, transposed: bool = False) -> Floats:
+        """L⁻¹ b, or L⁻ᵀ b."""
+        return scipy.linalg.blas.dtrsm(1.0, self._lower, rhs[:, None], lower=1, trans_a=transposed)[:, 0]
+
+
 class Cellwise:
     """The inside of every cell eliminated first, all cells at once by dense algebra, then the rest, the skeleton.
 
@@ -101,12 +122,17 @@ class Cellwise:
         self._inner, outer = unknown[cells.dofs(cells.inner)], unknown[cells.dofs(cells.outer)].ravel()
         is_outer = np.zeros(space.size, dtype=bool)
         is_outer[outer[outer >= 0]] = True
-        self._skeleton = np.flatnonzero(is_outer)
-        number = np.cumsum(is_outer) - 1
-        self._places, size = np.where(outer >= 0, number[outer], -1), len(self._skeleton)
+        is_outer[kept] = False
+        self._skeleton = np.concatenate([np.flatnonzero(is_outer), kept])
+        size = len(self._skeleton)
+        number = np.full(space.size + 1, size)  # which also is the number of what is prescribed, at the last place
+        number[self._skeleton] = np.arange(size)
+        self._places = number[outer]
         blocks = np.concatenate([self._complements(part) for part in cells.parts()])
-        matrix = _dense_sum(blocks, self._places, size) if size <= self.SMALL else _sparse_sum(blocks, self._gather)
-        self._rest = Whole(matrix, number[kept])
+        if size <= self.SMALL:
+            self._rest: Dense | Whole = Dense(_dense_sum(blocks, self._places, size), len(kept))
+        else:
+            self._rest = Whole(_sparse_sum(blocks, self._gather), number[kept])
 
     @property
     def complement(self) -> Floats:
@@ -121,17 +147,16 @@ class Cellwise:
         y = np.empty(len(forces))
         y[self._skeleton] = self._rest.extended(kept, self._onto_skeleton(forces)[0])
         around = (self._gather @ y[self._skeleton]).reshape(len(self._inner), -1, 1)
+        inner = forces[self._inner][:, :, None]
         for part in self.cells.parts():
             matrix, coupling = self._inside(part)
-            y[self._inner[part]] = np.linalg.solve(
-                matrix, forces[self._inner[part]][:, :, None] - coupling @ around[part]
-            )[:, :, 0]
+            y[self._inner[part]] = np.linalg.solve(matrix, inner[part] - coupling @ around[part])[:, :, 0]
         return y
 
     @cached_property
     def _gather(self) -> scipy.sparse.csr_matrix:
         """P, from the skeleton's unknowns to those around every cell; nothing where one is prescribed."""
-        present = self._places >= 0
+        present = self._places < len(self._skeleton)
         ends = np.concatenate([[0], np.cumsum(present)])
         entries = (np.ones(int(ends[-1])), self._places[present], ends)
         return scipy.sparse.csr_matrix(entries, shape=(len(self._places), len(self._skeleton)))
@@ -139,7 +164,7 @@ class Cellwise:
     def _complements(self, part: slice) -> Floats:
         """Some cells seen from the nodes around them, (cells, outer, outer)."""
         matrix, coupling = self._inside(part)
-        around = self.cells.block(self.cells.outer, self.cells.outer, part)
+        around = self.cells.block(self.cells.integrals.outer, part)
         return around - np.swapaxes(coupling, 1, 2) @ np.linalg.solve(matrix, coupling)
 
     def _onto_skeleton(self, forces: Floats) -> tuple[Floats, float]:
@@ -157,8 +182,8 @@ class Cellwise:
 
     def _inside(self, part: slice) -> tuple[Floats, Floats]:
         """The stiffness inside some cells, and between inside and around."""
-        inner, outer = self.cells.inner, self.cells.outer
-        return self.cells.block(inner, inner, part), self.cells.block(inner, outer, part)
+        integrals = self.cells.integrals
+        return self.cells.block(integrals.inner, part), self.cells.block(integrals.coupling, part)
 
 
 class Image:
@@ -210,7 +235,7 @@ def _sparse_sum(blocks: Floats, gather: scipy.sparse.csr_matrix) -> scipy.sparse
 
 
 def _dense_sum(blocks: Floats, places: NDArray[np.intp], size: int) -> Floats:
-    """The same sum as a dense matrix (size, size); places: of every row of P, −1 where it is zero."""
-    numbers = np.where(places >= 0, places, size).reshape(len(blocks), -1)
-    flat = numbers[:, :, None] * (size + 1) + numbers[:, None, :]
+    """The same sum as a dense matrix (size, size); places: of every row of P, `size` where it is zero."""
+    rows = places.reshape(len(blocks), -1)
+    flat = (size + 1) * rows[:, :, None] + rows[:, None]
     return np.bincount(flat.ravel(), blocks.ravel(), (size + 1) ** 2).reshape(size + 1, -1)[:size, :size]

@@ -92,32 +92,6 @@ class Factor:
         _check(_petsc().MatFactorSetSchurIS(self._handle(), ctypes.c_void_p(indices.handle)))
 
 
-class DenseFactor:
-    """The same elimination for a small dense matrix, by LAPACK: MUMPS has more to do before it begins."""
-
-    def __init__(self, matrix: Floats, schur: NDArray[np.intp]) -> None:
-        inside = np.ones(len(matrix), dtype=bool)
-        inside[schur] = False
-        self._inner = np.flatnonzero(inside)
-        rows = matrix[self._inner]
-        self._coupling, self._kept_block = rows[:, schur], matrix[schur[:, None], schur]
-        self._lower, info = scipy.linalg.lapack.dpotrf(rows[:, self._inner], lower=1, clean=0)
-        if info != 0:
-            raise np.linalg.LinAlgError("the matrix of the inner unknowns is not positive definite")
-
-    def solve(self, rhs: Floats) -> Floats:
-        """The solution of the inner system for one right-hand side of all unknowns, zero on the kept ones."""
-        solution = np.zeros(len(rhs))
-        solution[self._inner] = scipy.linalg.lapack.dpotrs(self._lower, rhs[self._inner], lower=1)[0]
-        return solution
-
-    @property
-    def complement(self) -> Floats:
-        """The Schur complement, dense (c, c)."""
-        half = scipy.linalg.blas.dtrsm(1.0, self._lower, self._coupling, lower=1)
-        return self._kept_block - half.T @ half
-
-
 class SpreadFactor:
     """The same elimination by several ranks together, each with a part of the factor.
 

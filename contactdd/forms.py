@@ -66,16 +66,13 @@ class SharedForm:
     """
 
     compiled: Any
-    constant: ufl.Constant
     arguments: int
     place: tuple[fem.IntegralType, int]
 
     def on(self, body: Body, value: ArrayLike, entities: NDArray[np.int32]) -> fem.Form:
         """The form on cells or (cell, local facet) pairs of a body, with the constant's value."""
-        domain, (kind, number) = body.mesh.domain, self.place
-        constants = {self.constant: fem.Constant(domain, value)}
-        spaces = [body.space] * self.arguments
-        return fem.create_form(self.compiled, spaces, domain, {kind: [(number, entities)]}, {}, constants)
+        kind, number = self.place
+        return compat.bound(self.compiled, [body.space] * self.arguments, {kind: [(number, entities)]}, value)
 
 
 @cache
@@ -89,7 +86,7 @@ def _elasticity(coordinates: Any, element: Any, kinematics: str, degree: int | N
     dx = ufl.Measure("dx", domain=domain, metadata=metadata)
     energy = ufl.inner(stiffness * kind.strain(u), kind.strain(v))
     form = kind.weight(ufl.SpatialCoordinate(domain)) * energy * dx
-    return SharedForm(compat.compiled(form), stiffness, 2, (fem.IntegralType.cell, -1))
+    return SharedForm(compat.compiled(form), 2, (fem.IntegralType.cell, -1))
 
 
 @cache
@@ -100,7 +97,7 @@ def _pressure(coordinates: Any, element: Any, kinematics: str) -> SharedForm:
     p = ufl.Constant(domain)
     work = -p * ufl.dot(ufl.FacetNormal(domain), v)
     form = kind.weight(ufl.SpatialCoordinate(domain)) * work * ufl.ds(1, domain=domain)
-    return SharedForm(compat.compiled(form), p, 1, (fem.IntegralType.exterior_facet, 1))
+    return SharedForm(compat.compiled(form), 1, (fem.IntegralType.exterior_facet, 1))
 
 
 def _elements(body: Body) -> tuple[Any, Any]:

@@ -94,12 +94,11 @@ class Kinematics:
         """
         if self.ring:
             return np.tile([[0.0], [1.0]], (len(x), 1, 1))
-        centred = (x - x.mean(axis=0))[:, : self.dim]
-        centred = centred / max(np.abs(centred).max(initial=0.0), np.finfo(float).tiny)
+        centred = x[:, : self.dim] - x[:, : self.dim].mean(axis=0)
+        centred /= max(np.abs(centred).max(initial=0.0), np.finfo(float).tiny)
         planes = ((1, 0),) if self.dim == 2 else ((2, 1), (0, 2), (1, 0))
         modes = np.zeros((len(x), self.dim, self.dim + len(planes)))
-        for axis in range(self.dim):
-            modes[:, axis, axis] = 1.0
+        modes[:, :, : self.dim] = np.eye(self.dim)
         for rotation, (i, j) in enumerate(planes, self.dim):
             modes[:, i, rotation], modes[:, j, rotation] = centred[:, j], -centred[:, i]
         return modes

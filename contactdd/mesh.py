@@ -347,8 +347,8 @@ def _sides(
     entities = facet_entities(domain, facets)
     x = facet_corners(domain, entities)
     tolerance = 1e-10 * max(corners[1] - corners[0])  # coordinates of a structured mesh, to rounding
-    on_side = [np.abs(x - corner).max(axis=1) <= tolerance for corner in corners]
-    where = {name: on_side[end][:, axis] for axis, pair in enumerate(names) for end, name in enumerate(pair)}
+    on_side = np.abs(x - np.array(corners)[:, None, None]).max(axis=2) <= tolerance
+    where = {name: on_side[end, :, axis] for axis, pair in enumerate(names) for end, name in enumerate(pair)}
     return {name: facets[here] for name, here in where.items()}, {name: entities[here] for name, here in where.items()}
 
 

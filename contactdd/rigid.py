@@ -197,6 +197,9 @@ def allowed_motions(modes: Floats, space: AdmissibleSpace) -> tuple[Floats, Floa
 
 def orthonormal(modes: Floats, *combined: Floats) -> tuple[Floats, ...]:
     """An orthonormal set with the same span, and other matrices (n, motions) combined in the same way."""
+    if modes.shape[1] == 1:
+        length = np.linalg.norm(modes)
+        return modes / length, *(other / length for other in combined)
     q, r = np.linalg.qr(modes)
     inverse = np.linalg.inv(r)
     return q, *(other @ inverse for other in combined)

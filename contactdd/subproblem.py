@@ -339,8 +339,8 @@ class CondensedSubproblem(Subproblem):
             if np.any(springs):
                 inside = self._inside.extended(np.zeros(len(self.kept)), inner.load)
                 work -= springs.T @ inside
-            kept = modes[self.kept]
-            self.load += np.linalg.lstsq(kept.T, work - kept.T @ self.load, rcond=None)[0]
+            kept, q = modes[self.kept], self.rigid.modes
+            self.load += q @ np.linalg.solve(kept.T @ q, work - kept.T @ self.load)
 
     def shared(self) -> Shared:
         """What other ranks need to know of the problem."""
@@ -458,8 +458,8 @@ def _eliminated(
 
 def _hold(modes: Floats) -> bool:
     """Whether no combination of rigid modes vanishes at the given unknowns."""
-    if modes.shape[1] == 0:
-        return True
+    if modes.shape[1] <= 1:
+        return bool(modes.any(axis=0).all())
     singular = np.linalg.svd(modes, compute_uv=False)
     return len(singular) == modes.shape[1] and singular[-1] > 1e-8 * singular[0]
 

@@ -7,7 +7,7 @@ import pytest
 
 import contactdd as cd
 from contactdd.affine import AffineCells, are_affine
-from contactdd.elimination import Cellwise, Image, Whole, eliminate_cellwise
+from contactdd.elimination import Cellwise, Dense, Image, Whole, eliminate_cellwise
 from contactdd.forms import stiffness_matrix
 from contactdd.subproblem import Subproblem
 
@@ -53,7 +53,7 @@ def test_cell_matrices_are_those_of_the_form(shape, degree, kinematics, make):
     nodes = np.arange(cells.nodes.shape[1])
     expected = stiffness_matrix(body).toarray()
     found = np.zeros_like(expected)
-    for matrix, dofs in zip(cells.block(nodes, nodes), cells.dofs(nodes), strict=True):
+    for matrix, dofs in zip(cells.block(cells.integrals.full), cells.dofs(nodes), strict=True):
         found[np.ix_(dofs, dofs)] += matrix
     assert np.abs(found - expected).max() < ROUNDING * np.abs(expected).max()
     u = np.random.default_rng(0).normal(size=len(expected))
@@ -119,6 +119,21 @@ def test_cellwise_is_the_same_as_whole(shape, degree, dim, floating, monkeypatch
     others = np.setdiff1d(np.arange(inner.size), kept)
     left = (1e3 * inner.load - inner.stiffness @ y)[others]
     assert np.abs(left).max() < 1e-12 * np.abs(inner.stiffness).max() * np.abs(y).max() * inner.size
+
+
+@pytest.mark.parametrize("kept", [0, 2, 5])
+def test_a_dense_elimination_of_some_all_or_none(kept):
+    root = np.random.default_rng(2).normal(size=(5, 5))
+    matrix, forces = root @ root.T + np.eye(5), np.arange(5.0)
+    inner, values = 5 - kept, np.ones(kept)
+    dense = Dense(matrix, kept)
+    response = np.linalg.solve(matrix[:inner, :inner], np.column_stack([matrix[:inner, inner:], forces[:inner]]))
+    assert dense.complement == pytest.approx(matrix[inner:, inner:] - matrix[inner:, :inner] @ response[:, :-1])
+    on_kept, work = dense.reduced(forces)
+    assert on_kept == pytest.approx(forces[inner:] - matrix[inner:, :inner] @ response[:, -1])
+    assert work == pytest.approx(forces[:inner] @ response[:, -1])
+    expected = np.concatenate([response[:, -1] - response[:, :-1] @ values, values])
+    assert dense.extended(values, forces) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("shape", "degree", "dim"), CASES)
