@@ -49,8 +49,8 @@ class Ensemble:
     """The bodies' problems and the contacts between them, in the unknowns y of all bodies one after another.
 
     parts: where each body's unknowns stand in y; points: where each interface's points stand among all of them;
-    weights: (points,) areas; load: (unknowns,); closing: (points, unknowns) from y to u_αn + u_βn, dense where small;
-    stiffness: of all bodies, dense where they are small together.
+    weights: (points,) areas; load: (unknowns,), load_size its norm; closing: (points, unknowns) from y to u_αn + u_βn,
+    dense where small; stiffness: of all bodies, dense where they are small together.
     """
 
     def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
@@ -60,6 +60,7 @@ class Ensemble:
         self.size = self.parts[-1].stop
         self.weights = np.concatenate([interface.weights for interface in interfaces])
         self.load = np.concatenate([problem.load for problem in problems])
+        self.load_size = norm(self.load)
         self.dense = self.size <= LARGEST_DENSE and all(isinstance(p.stiffness, np.ndarray) for p in problems)
         self.stiffness = self._along_diagonal([problem.stiffness for problem in problems])
         self.closing = self._closing()
@@ -96,7 +97,7 @@ class Ensemble:
         tractions = self.tractions(state)
         contact = self._opening @ tractions
         elastic = self.stiffness @ state.deformation
-        return Forces(tractions, elastic, self.load + contact - elastic, math.hypot(norm(self.load), norm(contact)))
+        return Forces(tractions, elastic, self.load + contact - elastic, math.hypot(self.load_size, norm(contact)))
 
     def tractions(self, state: State) -> Floats:
         """The contact stresses g⁻(z) times the areas, at all points."""

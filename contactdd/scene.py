@@ -87,11 +87,10 @@ class Scene:
         """One body's linear problem, made when first asked for."""
         if (kind, place) not in self._subproblems:
             body = self.bodies[place]
-            if kind != "multigrid":
-                refuse_if_too_large(body)
             if kind == "condensed":
                 made: Subproblem = self._condensed(place)
             elif kind == "assembled":
+                refuse_if_too_large(body)
                 made = Subproblem(body, place, self.interfaces, self._original(kind, place))
             else:
                 made = MultigridSubproblem(body, place, self.interfaces)

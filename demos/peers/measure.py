@@ -13,7 +13,7 @@ from meter import forget_peak, peak_mb
 from . import problem
 
 #: How much CPU time the repetitions may take, in seconds, and how many there are at least and at most.
-BUDGET, FEWEST, MOST = 0.6, 3, 15
+BUDGET, FEWEST, MOST = 0.6, 3, 60
 
 
 def measure(package: str, way: str, shape: str, degree: int, x: list[float], y: list[float]) -> dict[str, float]:
