@@ -56,6 +56,11 @@ class AdmissibleSpace:
         """The unknown at every degree of freedom, −1 where it is prescribed; of a Z that only selects."""
         return self._numbered(np.arange(self.size))
 
+    @cached_property
+    def has_offset(self) -> bool:
+        """Whether anything else than zero is prescribed."""
+        return bool(np.any(self.offset))
+
     def extended(self, y: Floats) -> Floats:
         """Z y, (dofs,) or (dofs, n)."""
         if self.free is None:
@@ -67,6 +72,19 @@ class AdmissibleSpace:
     def restricted(self, forces: Floats) -> Floats:
         """Zᵀ f of forces (dofs,) or (dofs, n)."""
         return self.mixing.T @ forces if self.free is None else forces[self.free]
+
+    def prevented(self, u: Floats) -> Floats:
+        """The rows, but for zero ones, of what displacements (dofs, n) have that the supports do not allow."""
+        if self.free is None:
+            rest = u - self.extended(self.restricted(u))
+            return rest[np.any(rest, axis=1)]
+        held = np.ones(len(self.offset), dtype=bool)
+        held[self.free] = False
+        return u[held]
+
+    def prescribed(self, operator: scipy.sparse.csr_matrix) -> Floats:
+        """operator @ u₀; operator: on all degrees of freedom."""
+        return operator @ self.offset if self.has_offset else np.zeros(operator.shape[0])
 
     def columns(self, matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
         """matrix @ Z."""

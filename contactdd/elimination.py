@@ -128,7 +128,8 @@ class Cellwise:
         number = np.full(space.size + 1, size)  # which also is the number of what is prescribed, at the last place
         number[self._skeleton] = np.arange(size)
         self._places = number[outer]
-        blocks = np.concatenate([self._complements(part) for part in cells.parts()])
+        first, *others = (self._complements(part) for part in cells.parts())
+        blocks = np.concatenate([first, *others]) if others else first  # mostly all at once, and large
         if size <= self.SMALL:
             self._rest: Dense | Whole = Dense(_dense_sum(blocks, self._places, size), len(kept))
         else:
@@ -165,7 +166,8 @@ class Cellwise:
         """Some cells seen from the nodes around them, (cells, outer, outer)."""
         matrix, coupling = self._inside(part)
         around = self.cells.block(self.cells.integrals.outer, part)
-        return around - np.swapaxes(coupling, 1, 2) @ np.linalg.solve(matrix, coupling)
+        around -= np.swapaxes(coupling, 1, 2) @ np.linalg.solve(matrix, coupling)
+        return around
 
     def _onto_skeleton(self, forces: Floats) -> tuple[Floats, float]:
         """What forces on all unknowns are on the skeleton, and the work of those inside of the cells."""

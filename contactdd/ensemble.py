@@ -136,14 +136,14 @@ class Ensemble:
         return max(m / s if s > 0.0 else float(m > 0.0) for m, s in zip(moved, size, strict=True))
 
     @cached_property
-    def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, list[int]]:
+    def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
         """From y to every body's u_n at the points of its contacts, the prescribed part, and where each body begins."""
         traces = [_rows([port.trace for port in problem.ports]) for problem in self.problems]
         offsets = [np.concatenate([port.offset for port in problem.ports]) for problem in self.problems]
         return self._along_diagonal(traces), np.concatenate(offsets), _starts(offsets)
 
     @cached_property
-    def _nodal_traces(self) -> tuple[Operator | BlockDiagonal, Floats, list[int]]:
+    def _nodal_traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
         """The same at the nodes of the contact surfaces."""
         offsets = [problem.nodal_offset for problem in self.problems]
         traces = BlockDiagonal([problem.nodal_trace for problem in self.problems])
@@ -212,6 +212,6 @@ def _slices(sizes: Iterable[int]) -> list[slice]:
     return [slice(*pair) for pair in itertools.pairwise(ends)]
 
 
-def _starts(parts: Sequence[Floats]) -> list[int]:
+def _starts(parts: Sequence[Floats]) -> NDArray[np.intp]:
     """Where each of the parts begins."""
-    return [part.start for part in _slices(map(len, parts))]
+    return np.array([part.start for part in _slices(map(len, parts))])

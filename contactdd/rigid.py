@@ -186,13 +186,10 @@ def allowed_motions(modes: Floats, space: AdmissibleSpace) -> tuple[Floats, Floa
     modes: (dofs, motions) all of a body; space: what the supports leave. Returns the unknowns of an orthonormal set
     (unknowns, allowed), and its coefficients in `modes` (motions, allowed).
     """
-    unknowns = space.restricted(modes)
-    prevented = modes - space.extended(unknowns)
-    prevented = prevented[np.any(prevented, axis=1)]
-    count = modes.shape[1]
-    _, singular, right = np.linalg.svd(np.concatenate([prevented, np.zeros((count, count))]), full_matrices=False)
+    rows = np.concatenate([space.prevented(modes), np.zeros((modes.shape[1], modes.shape[1]))])
+    _, singular, right = np.linalg.svd(rows, full_matrices=False)
     allowed = right[singular <= 1e-8 * np.linalg.norm(modes)].T
-    return orthonormal(unknowns @ allowed, allowed)
+    return orthonormal(space.restricted(modes) @ allowed, allowed)
 
 
 def orthonormal(modes: Floats, *combined: Floats) -> tuple[Floats, ...]:

@@ -65,7 +65,7 @@ def together(ensemble: Ensemble) -> State:
     """
     motions, compressions = ensemble.rigid, _compressions(ensemble)
     floating = ~np.any(motions.springs, axis=0)
-    prescribed = any(np.any(problem.space.offset) for problem in ensemble.problems)
+    prescribed = any(problem.space.has_offset for problem in ensemble.problems)
     if prescribed or not np.any(floating) or not np.any(compressions):
         return undeformed(ensemble)
     contacts = zip(ensemble.interfaces, compressions, strict=True)

@@ -119,7 +119,7 @@ class Subproblem:
                 index,
                 side,
                 self.space.columns(side.trace),
-                side.trace @ self.space.offset,
+                self.space.prescribed(side.trace),
                 self.space.columns(side.surface.trace),
             )
             for index, side in self.sides
@@ -143,7 +143,7 @@ class Subproblem:
         other = copy(self)
         other.space = replace(self.space, offset=admissible_space(self.body).offset)
         if "ports" in vars(self):
-            other.ports = [replace(port, offset=port.side.trace @ other.space.offset) for port in self.ports]
+            other.ports = [replace(port, offset=other.space.prescribed(port.side.trace)) for port in self.ports]
         other._set_loads()
         return other
 
@@ -151,7 +151,7 @@ class Subproblem:
         """What follows from the loads and prescribed displacements."""
         self.full_load = load_vector(self.body)
         offset = self.space.offset
-        prescribed = self.matrices.forces(offset) if np.any(offset) else np.zeros_like(offset)
+        prescribed = self.matrices.forces(offset) if self.space.has_offset else np.zeros_like(offset)
         self.load = self.space.restricted(self.full_load - prescribed)
         self.constant = float(0.5 * offset @ prescribed - self.full_load @ offset)
 
@@ -163,7 +163,7 @@ class Subproblem:
     @property
     def nodal_offset(self) -> Floats:
         """u_n at the nodes of all contact surfaces of the prescribed displacements."""
-        return self._nodal @ self.space.offset
+        return self.space.prescribed(self._nodal)
 
     @cached_property
     def _nodal(self) -> scipy.sparse.csr_matrix:
@@ -302,7 +302,7 @@ class CondensedSubproblem(Subproblem):
         """The same condensed problem for `inner` with other loads and prescribed displacements."""
         other = copy(self)
         other._set_inner(inner)
-        other.ports = [replace(port, offset=port.side.trace @ other.space.offset) for port in self.ports]
+        other.ports = [replace(port, offset=other.space.prescribed(port.side.trace)) for port in self.ports]
         other._set_loads()
         return other
 
@@ -429,7 +429,7 @@ def kept_ports(sides: Sequence[tuple[int, Side]], space: AdmissibleSpace, kept: 
     for index, side in sides:
         trace = some(side.trace)
         robin_trace = trace if side.surface.trace is side.trace else some(side.surface.trace)
-        found.append(Port(index, side, trace, side.trace @ space.offset, robin_trace))
+        found.append(Port(index, side, trace, space.prescribed(side.trace), robin_trace))
     return found
 
 
