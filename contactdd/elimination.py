@@ -88,9 +88,7 @@ class Dense:
 
     def __init__(self, matrix: Floats, kept: int) -> None:
         self._size = size = len(matrix) - kept
-        self._lower, info = scipy.linalg.lapack.dpotrf(matrix[:size, :size].T, lower=1, clean=0)
-        if info != 0:
-            raise np.linalg.LinAlgError("the matrix of the eliminated unknowns is not positive definite")
+        self._lower = _cholesky(matrix[:size, :size].T)
         self._half = scipy.linalg.blas.dtrsm(1.0, self._lower, matrix[size:, :size].T, lower=1)  # L⁻¹ K_ec, K_ee = L Lᵀ
         self.complement = matrix[size:, size:] - self._half.T @ self._half
 
@@ -164,9 +162,10 @@ class Cellwise:
 
     def _complements(self, part: slice) -> Floats:
         """Some cells seen from the nodes around them, (cells, outer, outer)."""
-        matrix, coupling = self._inside(part)
         around = self.cells.block(self.cells.integrals.outer, part)
-        around -= np.swapaxes(coupling, 1, 2) @ np.linalg.solve(matrix, coupling)
+        for block, matrix, coupling in zip(around, *self._inside(part), strict=True):
+            half = _half(matrix.T, coupling.T)
+            block -= half @ half.T
         return around
 
     def _onto_skeleton(self, forces: Floats) -> tuple[Floats, float]:
@@ -204,6 +203,19 @@ class Image:
 
     def extended(self, kept: Floats, forces: Floats) -> Floats:
         return self._signs * self.original.extended(self._kept * kept, self._signs * forces)
+
+
+def _cholesky(matrix: Floats) -> Floats:
+    """L of a symmetric matrix K = L Lᵀ that stands in memory column by column; above the diagonal it is not zeroed."""
+    lower, info = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
+    if info != 0:
+        raise np.linalg.LinAlgError("the matrix of the eliminated unknowns is not positive definite")
+    return lower
+
+
+def _half(matrix: Floats, coupling: Floats) -> Floats:
+    """C L⁻ᵀ, whose product with its transpose is C K⁻¹ Cᵀ, from K = L Lᵀ and C, both column by column."""
+    return scipy.linalg.blas.dtrsm(1.0, _cholesky(matrix), coupling, side=1, lower=1, trans_a=1)
 
 
 def eliminate_cellwise(
