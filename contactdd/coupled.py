@@ -57,7 +57,8 @@ class CoupledSystem:
     @cached_property
     def _stiffness(self) -> scipy.sparse.csr_matrix:
         """The stiffness of all bodies."""
-        return scipy.sparse.block_diag([problem.stiffness for problem in self._ensemble.problems], format="csr")
+        blocks = [scipy.sparse.csr_matrix(problem.stiffness) for problem in self._ensemble.problems]
+        return scipy.sparse.block_diag(blocks, format="csr")
 
     @cached_property
     def _map(self) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
