@@ -84,12 +84,15 @@ class AffineCells:
 
     def forces(self, u: Floats) -> Floats:
         """The elastic forces a(u, ·) of all degrees of freedom."""
-        dim, (count, nodes) = self.dim, self.nodes.shape
-        dofs = self.dofs(np.arange(nodes))
-        # Σ_j u_jb ∫ ∂_k φ_i ∂_l φ_j of every cell, to be summed over b, k and l
-        moments = u[dofs].reshape(-1, nodes) @ self.integrals.full.reshape(-1, nodes).T
-        local = self.tensors.reshape(count, dim, -1) @ moments.reshape(count, -1, nodes)
-        return np.bincount(dofs.ravel(), local.ravel(), len(u))
+        dim, nodes = self.dim, self.nodes.shape[1]
+        dofs, total = self.dofs(np.arange(nodes)), np.zeros(len(u))
+        for part in self.parts():
+            # Σ_j u_jb ∫ ∂_k φ_i ∂_l φ_j of every cell, to be summed over b, k and l
+            moments = u[dofs[part]].reshape(-1, nodes) @ self.integrals.full.reshape(-1, nodes).T
+            tensors = self.tensors[part]
+            local = tensors.reshape(len(tensors), dim, -1) @ moments.reshape(len(tensors), -1, nodes)
+            total += np.bincount(dofs[part].ravel(), local.ravel(), len(u))
+        return total
 
     def parts(self) -> Iterator[slice]:
         """The cells, so many at a time that their matrices are not too large together."""
