@@ -69,6 +69,7 @@ class Ensemble:
         floating = [p.rigid.modes if p.rigid.floating else np.zeros((p.size, 0)) for p in problems]
         self._floats = any(modes.shape[1] for modes in floating)
         self._motions = self._along_diagonal(floating)
+        self._onto_motions = self._motions.T
         self._constant = sum(problem.constant for problem in problems)
 
     @cached_property
@@ -90,7 +91,7 @@ class Ensemble:
 
     def deformation(self, y: Floats) -> Floats:
         """y without the rigid motions of floating bodies: what elastic forces come from."""
-        return y - self._motions @ (self._motions.T @ y) if self._floats else y
+        return y - self._motions @ (self._onto_motions @ y) if self._floats else y
 
     def forces(self, state: State) -> Forces:
         """−F₁' at an iterate, and what it is made of."""
@@ -116,11 +117,12 @@ class Ensemble:
         return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts)
 
     def tangent(self, phi: Mapping[int, Floats], y: Floats) -> Floats:
-        """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system (17), (26), (27) times a vector.
+        """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system (17), (26), (27) times (unknowns,) or (unknowns, n).
 
         phi: the coefficient at the points of each interface.
         """
-        at_points = self.weights * self.at_all_points(phi) * (self.closing @ y)
+        closed = self.closing @ y
+        at_points = (self.weights * self.at_all_points(phi) * closed.T).T
         return self.stiffness @ self.deformation(y) + self._opening @ at_points
 
     def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
@@ -189,9 +191,13 @@ class BlockDiagonal:
     def T(self) -> BlockDiagonal:
         return BlockDiagonal([block.T for block in self.blocks])
 
+    @cached_property
+    def parts(self) -> list[slice]:
+        """Where each block's part of a vector is."""
+        return _slices(block.shape[1] for block in self.blocks)
+
     def __matmul__(self, y: Floats) -> Floats:
-        parts = _slices(block.shape[1] for block in self.blocks)
-        return np.concatenate([block @ y[part] for block, part in zip(self.blocks, parts, strict=True)])
+        return np.concatenate([block @ y[part] for block, part in zip(self.blocks, self.parts, strict=True)])
 
 
 def norm(vector: Floats) -> float:

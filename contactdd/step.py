@@ -86,7 +86,7 @@ class Krylov:
         idle = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]
         rhs = residual - idle @ (idle.T @ residual)
         coarse = self._coarse_space(phi)
-        image = np.reshape([self._ensemble.tangent(phi, column) for column in coarse.T], (-1, len(rhs))).T
+        image = self._ensemble.tangent(phi, coarse)
         inverse = _pseudo_inverse(coarse.T @ image, rigid.largest)
 
         def precondition(vector: Floats) -> Floats:

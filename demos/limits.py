@@ -69,7 +69,7 @@ def predicted_contraction(scene: cd.Scene, gamma: float) -> float:
     phi = {i: np.full(len(face.weights), face.contact.layer.stiffness) for i, face in enumerate(scene.interfaces)}
     ensemble = Ensemble(problems, scene.interfaces)
     unknowns = np.eye(ensemble.size)
-    coupled = np.column_stack([ensemble.tangent(phi, column) for column in unknowns])
+    coupled = ensemble.tangent(phi, unknowns)
     apart = scipy.linalg.block_diag(
         *(np.column_stack([p.solve_held(phi, column) for column in np.eye(p.size)]) for p in problems)
     )
