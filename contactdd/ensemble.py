@@ -117,9 +117,9 @@ class Ensemble:
         return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts)
 
     def tangent(self, phi: Mapping[int, Floats], y: Floats) -> Floats:
-        """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system (17), (26), (27) times (unknowns,) or (unknowns, n).
+        """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system of (17), (26), (27) times y.
 
-        phi: the coefficient at the points of each interface.
+        phi: the coefficient at the points of each interface; y: (unknowns,) or (unknowns, n).
         """
         closed = self.closing @ y
         at_points = (self.weights * self.at_all_points(phi) * closed.T).T

@@ -60,3 +60,37 @@ def test_what_is_held_or_not_pressed_stays(supports, load):
     ensemble = Ensemble(scene.subproblems("condensed"), scene.interfaces)
     state = start.together(ensemble)
     assert np.all(state.unknowns == 0.0)
+
+
+def columns(prescribed: float, tilt: float = 0.0) -> cd.Scene:
+    """Three columns with layers of unlike stiffness between them; the upper end is moved by that much."""
+    layers = [cd.LinearLayer(1e4), cd.LinearLayer(3e4)]
+    bodies = []
+    for i in range(3):
+        mesh = cd.rectangle((0, i), (1, i + 1), (2, 2))
+        supports = [cd.Symmetry("left")]
+        if i == 0:
+            supports.append(cd.Fixed("bottom"))
+        if i == 2:
+            supports.append(cd.Displacement("top", (None, lambda x: prescribed + tilt * x[0])))
+        bodies.append(cd.Body(f"column {i}", mesh, STEEL, supports=supports))
+    pairs = zip(bodies[:-1], bodies[1:], layers, strict=True)
+    return cd.Scene(bodies, [cd.Contact((a, "top"), (b, "bottom"), layer) for a, b, layer in pairs])
+
+
+@pytest.mark.parametrize("local_solver", ["condensed", "assembled"])
+def test_what_is_moved_presses_evenly(local_solver):
+    """Of rigid columns on linear layers the start is the equilibrium: springs in a row share the force."""
+    scene = columns(-4e-3)
+    state = start.together(Ensemble(scene.subproblems(local_solver), scene.interfaces))
+    first, second = (z.mean() for z in state.gaps)
+    assert first + second == pytest.approx(-4e-3, rel=1e-12)
+    assert 1e4 * first == pytest.approx(3e4 * second, rel=1e-9)  # rounding; linear layers need no second look
+    assert cd.solve(scene, local_solver=local_solver).iterations <= 3
+
+
+def test_what_is_pulled_away_or_turned_is_carried_along():
+    assert cd.solve(columns(1e-3)).contact().force == 0.0
+    tilted = cd.solve(columns(-4e-3, tilt=1e-3))
+    assert tilted.iterations <= 4
+    assert tilted.imbalance < 1e-9
