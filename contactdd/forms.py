@@ -1,4 +1,4 @@
-"""The assembled forms of a body: its stiffness matrix and its load vector.
+"""The assembled forms of a body: the matrices of its stiffness and its springs, and its load vector.
 
 Bodies with a constant material and constant pressures are of few kinds, which differ in numbers only. UFL and the
 compiler see such a form once per kind, not once per body.
