@@ -103,7 +103,7 @@ class Scene:
         inner, original = self._subproblem("assembled", place), self._original("condensed", place)
         return CondensedSubproblem(inner, self.ranks.team(place), others, original)
 
-    def _original(self, kind: str, place: int) -> Any:
+    def _original(self, kind: str, place: int) -> tuple[Any, Floats] | None:
         """The problem of the body that this one is a copy of, if that has been made, and the signs between them."""
         original = self._originals[place]
         if original is None or not self.ranks.alone or (kind, original[0]) not in self._subproblems:
@@ -113,6 +113,7 @@ class Scene:
 
     @cached_property
     def _originals(self) -> list[tuple[int, Floats] | None]:
+        """The place of the body that each is a copy of, with the signs between them."""
         return originals(self.bodies)
 
     def refresh(self) -> None:
