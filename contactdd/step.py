@@ -57,19 +57,6 @@ class Apart:
         return np.concatenate(self._ranks.each(lambda place: problems[place].correct(phi, forces[place], scale)))
 
 
-class Direct:
-    """All bodies in one linear system, factored: (17), (26), (27)."""
-
-    def __init__(self, ensemble: Ensemble, note: str = "") -> None:
-        self._system = CoupledSystem(ensemble)
-        self._bodies = len(ensemble.problems)
-        self.body_solves, self.note = 0, note
-
-    def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
-        self.body_solves += self._bodies  # each body takes part once
-        return self._system.correct(phi, residual, scale)
-
-
 class Krylov:
     """The coupled system by conjugate gradients, preconditioned by the bodies' own solves and a coarse space.
 
@@ -139,7 +126,7 @@ def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
     small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridSubproblem) for p in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {ensemble.size} unknowns factored" if scheme.step == "auto" else ""
-        return Direct(ensemble, note)
+        return CoupledSystem(ensemble, note)
     note = f"auto: Newton with Krylov steps, {ensemble.size} unknowns" if scheme.step == "auto" else ""
     return Krylov(ensemble, ranks, note)
 
