@@ -73,6 +73,11 @@ class Body:
         return compat.function_space(self.mesh.domain, self.element)
 
     @property
+    def dofs(self) -> int:
+        """How many degrees of freedom the displacements have."""
+        return self.space.dofmap.index_map.size_local * self.space.dofmap.bs
+
+    @property
     def element(self) -> Any:
         """The Lagrange element of the displacements."""
         return _lagrange(self.mesh.domain.topology.cell_name(), self.degree, self.mesh.dim)

@@ -19,7 +19,7 @@ from .copies import originals
 from .errors import one_of, tuple_of
 from .interface import Interface, discretise
 from .layer import Layer
-from .memory import body_unknowns, cheapest_solver, refuse_if_too_large
+from .memory import cheapest_solver, refuse_if_too_large
 from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
 from .ranks import Ranks
@@ -42,7 +42,7 @@ class Scene:
         self.contacts = tuple_of("contacts", contacts, Contact)
         self._check()
         # One rank alone need not weigh them.
-        self.ranks = Ranks(comm, [body_unknowns(body) if comm.size > 1 else 0.0 for body in self.bodies])
+        self.ranks = Ranks(comm, [body.dofs if comm.size > 1 else 0.0 for body in self.bodies])
         self._subproblems: dict[tuple[str, int], Subproblem] = {}
         self._read = self._parameter_values()
 

@@ -121,7 +121,7 @@ def _normal_operator(
 ) -> scipy.sparse.csr_matrix:
     """u along directions (n, dim) at n points, from the basis functions seen there (m,): point by point, each one's
     node and value."""
-    dim, size = space.dofmap.bs, space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
+    dim, size = space.dofmap.bs, space.dofmap.index_map.size_local
     values = basis[:, None] * direction[point]
     # Exact zeros (inner nodes, the components along a flat surface) must not become unknowns of the contact.
     pair, component = np.nonzero(np.abs(values) > 1e-14)

@@ -218,8 +218,6 @@ def _opposite(
 
 def _within(partners: Partners, reach: float) -> Partners:
     """The segments whose partners are no further apart than `reach`, numbered without gaps."""
-    if len(partners.weights) == 0:
-        return partners
     count = int(partners.segment.max()) + 1
     total = np.bincount(partners.segment, partners.weights, count)
     far = np.bincount(partners.segment, partners.weights * np.abs(partners.gap), count) > reach * total
