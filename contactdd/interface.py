@@ -31,8 +31,9 @@ class ContactSurface:
     """One body's side of a contact: its facets, and its normal displacement at the points of the quadrature rule.
 
     `integration points` are those at which ∫ φ u_n v_n is evaluated, facet by facet; `values` are the places where
-    the law is: the same points or, for the rule "facet", the facets. areas: what each integration point stands for on
-    the mesh; weights: in the body, the full ring of a body of revolution.
+    the law is: the same points or, for the rule "facet", the facets. points: the n integration points, per_facet on
+    each facet; areas: (n,) what each stands for on the mesh; weights: (n,) in the body, the full ring of a body of
+    revolution; trace: (n, dofs) from the displacement to u_n there.
     """
 
     def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:

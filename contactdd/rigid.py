@@ -31,7 +31,8 @@ Floats = NDArray[np.float64]
 class Resistance:
     """What an interface adds to the stiffness of the rigid motions: Σ_p φ_p m_p m_pᵀ.
 
-    rows: (points, motions) √weight u_n of each motion; transfer: from φ at the interface to these points.
+    rows: (points, motions) √weight u_n of each motion; transfer: from φ at the interface to these points, None where
+    they are its own.
     """
 
     interface: int
