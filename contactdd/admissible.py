@@ -105,7 +105,7 @@ class AdmissibleSpace:
         return np.flatnonzero(marked[self.free])
 
     def columns_of(self, kept: Indices) -> Callable[[scipy.sparse.csr_matrix], Operator]:
-        """What takes an operator on all degrees of freedom to its columns of Z at the kept unknowns; dense if small."""
+        """From operators on all degrees of freedom to those on the kept unknowns; dense if small and Z only selects."""
         if self.free is None:
             some = self.mixing[:, kept]
             return lambda operator: (operator @ some).tocsr()

@@ -68,8 +68,8 @@ class AffineCells:
     def tensors(self) -> Floats:
         """T_abkl of every cell, (cells, dim, dim, dim, dim)."""
         inverse = np.linalg.inv(self.jacobians)[:, None, None]
-        volumes = np.abs(np.linalg.det(self.jacobians))[:, None, None, None, None]
-        return volumes * (inverse @ self.material.transpose(0, 2, 1, 3) @ np.swapaxes(inverse, 3, 4))
+        determinants = np.abs(np.linalg.det(self.jacobians))[:, None, None, None, None]
+        return determinants * (inverse @ self.material.transpose(0, 2, 1, 3) @ np.swapaxes(inverse, 3, 4))
 
     def block(self, integrals: Floats, part: slice = slice(None)) -> Floats:
         """The matrices of some of the cells between some of their nodes, from the reference cell's integrals of these.

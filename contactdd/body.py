@@ -20,7 +20,7 @@ from .load import Load
 from .material import Material
 from .mesh import Mesh
 from .support import Spring, Support
-from .trace import surface_points
+from .trace import facet_type, surface_points
 
 Floats = NDArray[np.float64]
 
@@ -71,6 +71,11 @@ class Body:
     def space(self) -> fem.FunctionSpace:
         """The finite element space of the body's displacements."""
         return compat.function_space(self.mesh.domain, self.element)
+
+    @property
+    def dofs(self) -> int:
+        """How many degrees of freedom the displacements have."""
+        return self.space.dofmap.index_map.size_local * self.space.dofmap.bs
 
     @property
     def element(self) -> Any:
@@ -128,9 +133,7 @@ class Body:
         entities = self.mesh.entities(surface)
         if len(entities) == 0:
             raise ValueError(f"surface = {surface!r} of body {self.name!r}: it has no facets")
-        cell = compat.coordinate_map(self.mesh.domain).cell_type
-        facet = basix.cell.subentity_types(cell)[self.mesh.dim - 1][0]
-        points, weights = basix.make_quadrature(facet, self.area_metadata["quadrature_degree"])
+        points, weights = basix.make_quadrature(facet_type(self.mesh.domain), self.area_metadata["quadrature_degree"])
         at = surface_points(self.mesh.domain, entities, points)
         return float(np.sum(np.tile(weights, len(entities)) * at.area * self.kinematics.weight(at.x.T)))
 
@@ -164,10 +167,6 @@ class Body:
     def spring_forms(self, u: Any, v: Any) -> list[ufl.Form]:
         """∫ k u·v ds of every spring. Forms are kept apart so that no combination of them is compiled anew."""
         return [support.form(self, u, v) for support in self.supports if isinstance(support, Spring)]
-
-    def load_forms(self, v: Any) -> list[ufl.Form]:
-        """∫ f·v dx or ∫ p·v ds of every load; l(v) is their sum."""
-        return [load.form(self, v) for load in self.loads]
 
     def robin_form(self, u: Any, v: Any, phi: Any, surface: str, metadata: dict[str, Any]) -> ufl.Form:
         """∫ φ u_n v_n ds over a contact surface: the Robin term of (22), (32), (36)."""

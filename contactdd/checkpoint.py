@@ -56,13 +56,12 @@ def write(path: str | Path, run: Run) -> None:
     """
     path = Path(path)
     header = _header(run.ensemble, run.scheme.name)
-    arrays = {"header": np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)}
+    arrays = {"header": _as_bytes(header)}
     for name, parts in _taken_apart(run.state).items():
         arrays |= {f"{name} {i}": part for i, part in enumerate(parts)}
     if run.anderson is not None:
         arrays |= {f"memory {i}": part for i, part in enumerate(run.anderson.memory)}
-    records = [asdict(record) for record in run.history]
-    arrays["history"] = np.frombuffer(json.dumps(records).encode(), dtype=np.uint8)
+    arrays["history"] = _as_bytes([asdict(record) for record in run.history])
     partial = path.with_name(path.name + ".part")
     with open(partial, "wb") as file:
         np.savez(file, **arrays)
@@ -82,8 +81,8 @@ def read(path: str | Path, ensemble: Ensemble, method: str) -> tuple[State, Hist
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {name: file[name] for name in file.files}
-        found = _text(arrays["header"])
-        records = [Record(**entry) for entry in _text(arrays["history"])]
+        found = _from_bytes(arrays["header"])
+        records = [Record(**entry) for entry in _from_bytes(arrays["history"])]
     except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
         raise CheckpointError(f"checkpoint = {str(path)!r}: damaged, or not a checkpoint ({error})") from error
     expected = _header(ensemble, method)
@@ -119,11 +118,18 @@ def _taken_apart(state: State) -> dict[str, list[np.ndarray]]:
     return {name: part if isinstance(part, list) else [part] for name, part in parts.items()}
 
 
-def _text(array: np.ndarray) -> Any:
+def _as_bytes(value: Any) -> np.ndarray:
+    """Plain data as JSON, in an array of bytes."""
+    return np.frombuffer(json.dumps(value).encode(), dtype=np.uint8)
+
+
+def _from_bytes(array: np.ndarray) -> Any:
+    """The plain data in such an array."""
     return json.loads(array.astype(np.uint8).tobytes().decode())
 
 
 def _parts(path: Path, arrays: dict[str, np.ndarray], name: str, sizes: list[int]) -> list[np.ndarray]:
+    """The arrays of one name that a state needs, their sizes as given, each checked."""
     parts = []
     for i, size in enumerate(sizes):
         part = arrays.get(f"{name} {i}")

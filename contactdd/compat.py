@@ -6,7 +6,7 @@ The rest of the package calls these functions and never asks for a version.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from copy import copy
 from functools import cache
 from typing import Any
@@ -28,7 +28,7 @@ from . import compiler
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
 HAS_ENTITY_MAP = hasattr(dmesh, "EntityMap")  # 0.10 and later
 
-# Several ranks that compile one form wait for each other's lock file; the default of 10 s is too short for that.
+#: Several ranks that compile one form wait for each other's lock file; the default of 10 s is too short for that.
 TIMEOUT = 120
 
 
@@ -77,7 +77,7 @@ def _jit_options() -> dict[str, Any]:
 def expression_points(element: Any) -> NDArray[np.float64]:
     """The interpolation points of a finite element, as `fem.Expression` takes them."""
     points = element.interpolation_points
-    return points() if isinstance(points, Callable) else points
+    return points() if callable(points) else points
 
 
 def coordinate_map(domain: dmesh.Mesh) -> Any:
@@ -104,12 +104,10 @@ def structured(
 
 def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
     """The space of a basix element, as `fem.functionspace` makes it, which looks up what is the same for all meshes."""
-    compiled = _finite_element(domain.topology.cell_type, element)
-    dofmap = cpp.fem.create_dofmap(domain.comm, domain.topology._cpp_object, compiled)
+    own = _finite_element(domain.topology.cell_type, element)
+    dofmap = cpp.fem.create_dofmap(domain.comm, domain.topology._cpp_object, own)
     shape = (element.reference_value_shape,) if VERSION < (0, 10) else ()
-    return fem.FunctionSpace(
-        domain, element, cpp.fem.FunctionSpace_float64(domain._cpp_object, compiled, dofmap, *shape)
-    )
+    return fem.FunctionSpace(domain, element, cpp.fem.FunctionSpace_float64(domain._cpp_object, own, dofmap, *shape))
 
 
 def with_cell(element: Any) -> Any:

@@ -1,4 +1,4 @@
-"""The not decomposed step: one linear system for all bodies, the reference for the decomposed ones."""
+"""The step (17), (26), (27) that is not decomposed: one linear system for all bodies, the reference for the others."""
 
 from __future__ import annotations
 
@@ -17,17 +17,14 @@ Floats = NDArray[np.float64]
 
 
 class CoupledSystem:
-    """A + Σ ∫ φ [u_αn + u_βn][v_αn + v_βn] in the unknowns of all bodies, factored anew for every φ."""
+    """A + Σ ∫ φ [u_αn + u_βn][v_αn + v_βn] in the unknowns of all bodies, factored anew for every φ: a `step.Step`."""
 
-    def __init__(self, ensemble: Ensemble) -> None:
+    def __init__(self, ensemble: Ensemble, note: str = "") -> None:
         self._ensemble = ensemble
+        self.body_solves, self.note = 0, note
 
     def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
-        """The Newton correction of all unknowns.
-
-        phi: the coefficient at the points of each interface; residual: −F₁'; scale: the size of the forces at work.
-        Raises LooseBodyError where nothing holds the bodies.
-        """
+        self.body_solves += len(self._ensemble.problems)  # each body takes part once
         ground = self._ensemble.rigid.ground(phi, residual, scale)
         weights = self._ensemble.weights * self._ensemble.at_all_points(phi)
         return (self._solve_dense if self._ensemble.dense else self._solve_sparse)(weights, residual, ground)

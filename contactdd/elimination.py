@@ -154,14 +154,14 @@ class Cellwise:
 
     @cached_property
     def _gather(self) -> scipy.sparse.csr_matrix:
-        """P, from the skeleton's unknowns to those around every cell; nothing where one is prescribed."""
+        """P, from the skeleton's unknowns to those around all cells, (cells · outer, skeleton); 0 if prescribed."""
         present = self._places < len(self._skeleton)
         ends = np.concatenate([[0], np.cumsum(present)])
         entries = (np.ones(int(ends[-1])), self._places[present], ends)
         return scipy.sparse.csr_matrix(entries, shape=(len(self._places), len(self._skeleton)))
 
     def _complements(self, part: slice) -> Floats:
-        """Some cells seen from the nodes around them, (cells, outer, outer)."""
+        """Some cells seen from the unknowns around them, (cells, outer, outer)."""
         around = self.cells.block(self.cells.integrals.outer, part)
         for block, matrix, coupling in zip(around, *self._inside(part), strict=True):
             half = _half(matrix.T, coupling.T)

@@ -14,12 +14,12 @@ import scipy
 from numpy.typing import NDArray
 
 from .rigid import RigidMotions, dense_diagonal, joint_motions
+from .subproblem import Subproblem, stacked
 
 if TYPE_CHECKING:
     from .admissible import Operator
     from .interface import Interface
     from .start import State
-    from .subproblem import Subproblem
 
 Floats = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Forces:
     """The forces at an iterate.
 
     tractions: (points,) g⁻(z) times the areas; elastic: (unknowns,) A y; residual: (unknowns,) −F₁',
-    loads and contact forces less the elastic ones; size: ‖loads and contact forces‖, 0 where there are none.
+    loads and contact forces less the elastic ones; size: √(‖loads‖² + ‖contact forces‖²).
     """
 
     tractions: Floats
@@ -49,8 +49,9 @@ class Ensemble:
     """The bodies' problems and the contacts between them, in the unknowns y of all bodies one after another.
 
     parts: where each body's unknowns stand in y; points: where each interface's points stand among all of them;
-    weights: (points,) areas; load: (unknowns,), load_size its norm; closing: (points, unknowns) from y to u_αn + u_βn,
-    dense where small; stiffness: of all bodies, dense where they are small together.
+    weights: (points,) areas; size: how many unknowns; load: (unknowns,), load_size its norm; dense: whether the bodies'
+    stiffnesses all are, and small together; stiffness: of all bodies, dense then; closing: (points, unknowns) from y to
+    u_αn + u_βn, dense then where its products are cheap.
     """
 
     def __init__(self, problems: Sequence[Subproblem], interfaces: Sequence[Interface]) -> None:
@@ -140,7 +141,7 @@ class Ensemble:
     @cached_property
     def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
         """From y to every body's u_n at the points of its contacts, the prescribed part, and where each body begins."""
-        traces = [_rows([port.trace for port in problem.ports]) for problem in self.problems]
+        traces = [stacked([port.trace for port in problem.ports]) for problem in self.problems]
         offsets = [np.concatenate([port.offset for port in problem.ports]) for problem in self.problems]
         return self._along_diagonal(traces), np.concatenate(offsets), _starts(offsets)
 
@@ -203,13 +204,6 @@ class BlockDiagonal:
 def norm(vector: Floats) -> float:
     """The Euclidean norm."""
     return math.sqrt(vector @ vector)
-
-
-def _rows(blocks: Sequence[Operator]) -> Operator:
-    """Operators one below the other."""
-    if all(isinstance(block, np.ndarray) for block in blocks):
-        return np.vstack(blocks)
-    return scipy.sparse.vstack([scipy.sparse.csr_matrix(block) for block in blocks]).tocsr()
 
 
 def _slices(sizes: Iterable[int]) -> list[slice]:

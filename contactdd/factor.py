@@ -25,15 +25,11 @@ class Factor:
         matrix.sort_indices()
         self._csr = (matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType), matrix.data.copy())
         self._matrix = PETSc.Mat().createAIJWithArrays(matrix.shape, self._csr, comm=PETSc.COMM_SELF)
-        self._matrix.setOption(PETSc.Mat.Option.SPD, True)
         self._size = 0 if schur is None else len(schur)
         self._nothing_to_do = self._size == matrix.shape[0]  # MUMPS refuses to eliminate nothing
         if self._nothing_to_do:
             return
-        self._pc = PETSc.PC().create(PETSc.COMM_SELF)
-        self._pc.setOperators(self._matrix)
-        self._pc.setType("cholesky")
-        self._pc.setFactorSolverType("mumps")
+        self._pc = _mumps(self._matrix)
         self._pc.setFactorSetUpSolverType()
         if schur is not None:
             self._set_schur(schur)
@@ -114,11 +110,7 @@ class SpreadFactor:
         size = (self._last - self._first, len(self._inner))
         csr = (own.indptr.astype(PETSc.IntType), own.indices.astype(PETSc.IntType), own.data)
         self._matrix = PETSc.Mat().createAIJ((size, size), csr=csr, comm=comm)
-        self._matrix.setOption(PETSc.Mat.Option.SPD, True)
-        self._pc = PETSc.PC().create(comm)
-        self._pc.setOperators(self._matrix)
-        self._pc.setType("cholesky")
-        self._pc.setFactorSolverType("mumps")
+        self._pc = _mumps(self._matrix)
         self._pc.setUp()
         self._rhs, self._solution = self._matrix.createVecs()
 
@@ -150,6 +142,16 @@ class SpreadFactor:
             found.destroy()
         complement = self._kept_block - self._comm.allreduce(eliminated)
         return 0.5 * (complement + complement.T)
+
+
+def _mumps(matrix: PETSc.Mat) -> PETSc.PC:
+    """MUMPS' Cholesky factorisation of a matrix, still to be made."""
+    matrix.setOption(PETSc.Mat.Option.SPD, True)
+    pc = PETSc.PC().create(matrix.getComm())
+    pc.setOperators(matrix)
+    pc.setType("cholesky")
+    pc.setFactorSolverType("mumps")
+    return pc
 
 
 @cache

@@ -1,4 +1,4 @@
-"""The assembled forms of a body: its stiffness matrix and its load vector.
+"""The assembled forms of a body: the matrices of its stiffness and its springs, and its load vector.
 
 Bodies with a constant material and constant pressures are of few kinds, which differ in numbers only. UFL and the
 compiler see such a form once per kind, not once per body.
@@ -39,17 +39,17 @@ def stiffness_matrix(body: Body) -> scipy.sparse.csr_matrix:
 
 def spring_matrix(body: Body) -> scipy.sparse.csr_matrix:
     """∫ k u·v ds of all springs."""
-    size = _size(body)
     forms = body.spring_forms(ufl.TrialFunction(body.space), ufl.TestFunction(body.space))
-    return sum((_matrix(compat.form(form)) for form in forms), scipy.sparse.csr_matrix((size, size)))
+    return sum((_matrix(compat.form(form)) for form in forms), scipy.sparse.csr_matrix((body.dofs, body.dofs)))
 
 
 def load_vector(body: Body) -> Floats:
     """l(v) for all degrees of freedom."""
-    return sum((_one_load(body, load) for load in body.loads), np.zeros(_size(body)))
+    return sum((_one_load(body, load) for load in body.loads), np.zeros(body.dofs))
 
 
 def _one_load(body: Body, load: Load) -> Floats:
+    """The vector of one load, that of a constant pressure by the form that all such share."""
     value = current(load.value) if isinstance(load, Pressure) else None
     if not np.isscalar(value):
         return fem.assemble_vector(compat.form(load.form(body, ufl.TestFunction(body.space)))).array
@@ -107,7 +107,3 @@ def _elements(body: Body) -> tuple[Any, Any]:
 
 def _matrix(form: fem.Form) -> scipy.sparse.csr_matrix:
     return fem.assemble_matrix(form).to_scipy().tocsr()
-
-
-def _size(body: Body) -> int:
-    return body.space.dofmap.index_map.size_local * body.space.dofmap.bs

@@ -10,6 +10,7 @@ from typing import Any
 import basix
 import numpy as np
 import scipy
+import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
@@ -20,7 +21,7 @@ from .errors import MeshMismatchError
 from .field import evaluate
 from .isometry import Isometry
 from .quadrature import Rule, rule
-from .trace import FacetPoints, facet_corners, facet_type, normal_trace, surface_points, surface_trace
+from .trace import FacetPoints, dot, facet_corners, facet_type, normal_trace, surface_points, surface_trace
 from .transfer import Partners, by_segments, matching, matching_on
 
 Floats = NDArray[np.float64]
@@ -30,8 +31,9 @@ class ContactSurface:
     """One body's side of a contact: its facets, and its normal displacement at the points of the quadrature rule.
 
     `integration points` are those at which ∫ φ u_n v_n is evaluated, facet by facet; `values` are the places where
-    the law is: the same points or, for the rule "facet", the facets. areas: what each integration point stands for on
-    the mesh; weights: in the body, the full ring of a body of revolution.
+    the law is: the same points or, for the rule "facet", the facets. points: the n integration points, per_facet on
+    each facet; areas: (n,) what each stands for on the mesh; weights: (n,) in the body, the full ring of a body of
+    revolution; trace: (n, dofs) from the displacement to u_n there.
     """
 
     def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
@@ -121,8 +123,6 @@ class RobinTerm:
     """∫ φ u_n v_n ds in UFL, φ a function on the submesh of the contact facets, refreshed at every iteration."""
 
     def __init__(self, surface: ContactSurface) -> None:
-        import ufl
-
         body = surface.body
         submesh, parents, entity_map = compat.facet_submesh(body.mesh.domain, surface.facets)
         space = fem.functionspace(submesh, surface.rule.element(submesh.topology.cell_name()))
@@ -251,7 +251,7 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
     if matched is None:
         return _on_segments(contact, bodies, first, second)
     x, normal = first.mean(first.points.x), first.mean(first.points.normal)
-    distance = np.einsum("ij,ij->i", matched.in_order(second.mean(second.points.x)) - x, normal)
+    distance = dot(matched.in_order(second.mean(second.points.x)) - x, normal)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
     given = GivenGap(first.points.x, first.average)
     shape = given.at(contact.gap)
@@ -281,7 +281,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
             f"contact {contact.name!r}: quadrature = 'vertex' needs meshes that match along the contact; "
             "expected 'gauss' or 'facet'"
         )
-    partners = by_segments(contact, first, second, contact.reach)
+    partners = by_segments(contact, first, second)
     if contact.quadrature == "facet":
         values, weights = partners.mean(), np.bincount(partners.segment, partners.weights)
         member = np.unique(partners.segment, return_index=True)[1]

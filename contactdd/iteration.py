@@ -17,18 +17,14 @@ from .equilibrium import BALANCED, escape
 from .errors import LooseBodyError
 from .history import History, Record
 from .line_search import minimise_along
-from .multigrid import MultigridSubproblem
 from .ranks import Ranks
 from .scheme import Scheme
 from .start import State
-from .step import Apart, Direct, Krylov, Step
+from .step import Step
 
 Floats = NDArray[np.float64]
 Observer = Callable[[Record], bool]
 
-#: Contact unknowns of a body up to which "auto" factors the coupled system, or as many in more bodies as make no more
-#: entries: those of one body are all coupled, those of different ones only across their contacts.
-LARGEST_DIRECT = 6000
 #: Where the slope of the energy is less than this part of the layers' work, differences of that work are too rough.
 CANCELLED = 1e-8
 #: What a measure has to fall to for the run to have come closer.
@@ -156,7 +152,11 @@ class Run:
         return best, best_at
 
     def _iteration(self, k: int, gamma: float | None, forces: Forces, scale: float, residual: float) -> Record:
-        """One iteration (16), (25)."""
+        """The iteration k (16), (25), and its record.
+
+        gamma: None where it is to be searched; forces, scale, residual: those of the present iterate, the residual
+        relative to the scale.
+        """
         state, phi = self.state, self._coefficients()
         energy = self.ensemble.energy(state, forces.elastic)
         survive = gamma is None or self.anderson is not None
@@ -292,17 +292,3 @@ class Run:
         """The end of a run for this reason, unless there is a deeper one: no equilibrium."""
         way = self._escape
         return Ending(status, reason) if way is None else Ending("no equilibrium", str(way), way)
-
-
-def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
-    """The kind of linear problem that the scheme asks for, or the one that suits the scene where it leaves it open."""
-    problems = ensemble.problems
-    if scheme.step == "apart":
-        return Apart(ensemble, ranks)
-    entries = sum(problem.size**2 for problem in problems)
-    small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridSubproblem) for p in problems)
-    if scheme.step == "direct" or (scheme.step == "auto" and small):
-        note = f"auto: coupled Newton, {ensemble.size} unknowns factored" if scheme.step == "auto" else ""
-        return Direct(ensemble, note)
-    note = f"auto: Newton with Krylov steps, {ensemble.size} unknowns" if scheme.step == "auto" else ""
-    return Krylov(ensemble, ranks, note)

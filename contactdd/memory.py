@@ -1,4 +1,4 @@
-"""How much memory a factorisation will take, before it is taken."""
+"""How much memory a factorisation will take, before it is taken, and which local solver follows from that."""
 
 from __future__ import annotations
 
@@ -21,32 +21,26 @@ def cheapest_solver(body: Body) -> str:
     """The local solver for a body: "condensed" where factoring it fits and pays, else "multigrid"."""
     if _is_small(body):
         return "condensed"
-    unknowns = body_unknowns(body)
-    if body.mesh.dim == 3 and unknowns > LARGEST_FACTORED_SOLID:
+    if body.mesh.dim == 3 and body.dofs > LARGEST_FACTORED_SOLID:
         return "multigrid"
-    return "condensed" if factor_bytes(body.mesh.dim, unknowns) < 0.5 * available_bytes() else "multigrid"
+    return "condensed" if factor_bytes(body.mesh.dim, body.dofs) < 0.5 * available_bytes() else "multigrid"
 
 
 def refuse_if_too_large(body: Body) -> None:
     """Raise MemoryError before a factorisation that cannot fit is begun."""
     if _is_small(body):
         return
-    wanted, there = factor_bytes(body.mesh.dim, body_unknowns(body)), available_bytes()
+    wanted, there = factor_bytes(body.mesh.dim, body.dofs), available_bytes()
     if wanted > there:
         raise MemoryError(
-            f"body {body.name!r}: factoring its {body_unknowns(body)} unknowns takes about {wanted / 2**30:.1f} GiB, "
+            f"body {body.name!r}: factoring its {body.dofs} unknowns takes about {wanted / 2**30:.1f} GiB, "
             f"{there / 2**30:.1f} GiB are available; use local_solver='multigrid'"
         )
 
 
 def _is_small(body: Body) -> bool:
     """Whether a body is too small to ask for the memory; mostly its cells tell, before it has a space."""
-    return body.mesh.cells * body.element.dim <= ALWAYS_FACTORED or body_unknowns(body) <= ALWAYS_FACTORED
-
-
-def body_unknowns(body: Body) -> int:
-    """All displacement components of a body."""
-    return body.space.dofmap.index_map.size_global * body.space.dofmap.bs
+    return body.mesh.cells * body.element.dim <= ALWAYS_FACTORED or body.dofs <= ALWAYS_FACTORED
 
 
 def factor_bytes(dim: int, unknowns: int) -> float:

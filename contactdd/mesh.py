@@ -58,6 +58,7 @@ class Mesh:
 
     @property
     def cells(self) -> int:
+        """How many cells there are."""
         return self.domain.topology.index_map(self.dim).size_local
 
     @property
@@ -374,24 +375,26 @@ def _check_cells(domain: dmesh.Mesh) -> None:
     # A cell this flat has lost all digits of its stiffness.
     _refuse_cells(domain, ratio < 1e-12, "degenerate (of no volume)")
     _refuse_cells(domain, np.ptp(np.sign(volumes), axis=0) > 0, "inverted (their map turns inside out)")
+    _refuse_cells(domain, _folded(domain), "folded over a neighbour (inverted)")
+
+
+def _folded(domain: dmesh.Mesh) -> NDArray[np.bool_]:
+    """Which cells (cells,) lie on the same side of a facet as their neighbour there; of each two the first."""
+    dim, x = domain.topology.dim, domain.geometry.x
+    middles = x[compat.geometry_dofmap(domain)].mean(axis=1)[:, :dim]
+    where = np.zeros(len(middles), dtype=bool)
     domain.topology.create_connectivity(dim - 1, dim)
     cells = domain.topology.connectivity(dim - 1, dim)
     inner = np.flatnonzero(np.diff(cells.offsets) == 2).astype(np.int32)
     if len(inner) == 0:  # dolfinx divides by their number
-        return
+        return where
     corners = x[dmesh.entities_to_geometry(domain, dim - 1, inner, False).reshape(len(inner), -1)][:, :, :dim]
-    middles = x[compat.geometry_dofmap(domain)].mean(axis=1)[:, :dim]
     edges = [corners[:, i] - corners[:, 0] for i in range(1, dim)]
-    sides = [
-        _determinants(
-            np.moveaxis(np.stack([*edges, middles[cells.array[cells.offsets[inner] + k]] - corners[:, 0]]), 2, 1)
-        )
-        for k in (0, 1)
-    ]
+    offsets = [middles[cells.array[cells.offsets[inner] + k]] - corners[:, 0] for k in (0, 1)]
+    sides = [_determinants(np.moveaxis(np.stack([*edges, offset]), 2, 1)) for offset in offsets]
     folded = inner[sides[0] * sides[1] >= 0.0]
-    where = np.zeros(len(middles), dtype=bool)
     where[cells.array[cells.offsets[folded]]] = True
-    _refuse_cells(domain, where, "folded over a neighbour (inverted)")
+    return where
 
 
 def _volumes(domain: dmesh.Mesh) -> NDArray[np.float64]:

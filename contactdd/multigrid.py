@@ -45,7 +45,7 @@ class MultigridSubproblem(Subproblem):
     def solve_held(self, phi: Mapping[int, Floats], forces: Floats) -> Floats:
         """One multigrid cycle: symmetric and linear, as a preconditioner has to be."""
         self._set_up(phi)
-        return self._cycle(forces)
+        return self._multigrid.cycle(forces)
 
     def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
         self._set_up(phi)
@@ -62,7 +62,7 @@ class MultigridSubproblem(Subproblem):
             residual,
             rtol=self.ACCURACY,
             maxiter=2000,
-            M=scipy.sparse.linalg.LinearOperator(shape, self._cycle, dtype=float),
+            M=scipy.sparse.linalg.LinearOperator(shape, self._multigrid.cycle, dtype=float),
         )
         if failed:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: the multigrid iterations do not converge")
@@ -84,9 +84,6 @@ class MultigridSubproblem(Subproblem):
         held = np.zeros(self.size)
         held[pivots(self.rigid.modes @ self.rigid.free(phi))] = self.rigid.largest
         self._multigrid = Multigrid(self, (matrix + scipy.sparse.diags(held)).tocsr())
-
-    def _cycle(self, forces: Floats) -> Floats:
-        return self._multigrid.cycle(forces)
 
 
 class Multigrid:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -259,6 +260,4 @@ def _bar_arguments(name: str) -> dict[str, Any]:
 
 
 def _in_notebook() -> bool:
-    import sys
-
     return "ipykernel" in sys.modules

@@ -14,6 +14,7 @@ from .parameter import Parameter
 from .scene import Scene
 from .solution import Solution
 from .solve import solve
+from .start import Given
 
 Floats = NDArray[np.float64]
 
@@ -63,7 +64,7 @@ def programme(
     record: Mapping[str, Callable[[Solution], ArrayLike]] | None = None,
     keep_solutions: bool = True,
     on_failure: str = "raise",
-    start: float | Solution | None = None,
+    start: Given | Solution | None = None,
     **solve_options: Any,
 ) -> Path:
     """Solve a scene for one value of a parameter after another, each step started from the one before.
@@ -104,7 +105,7 @@ def programme(
     return path
 
 
-def _step(scene: Scene, start: float | Solution | None, options: Mapping[str, Any]) -> Solution:
+def _step(scene: Scene, start: Given | Solution | None, options: Mapping[str, Any]) -> Solution:
     """One step; where the state before leads astray (an open contact holds nothing), the default start has a try."""
     try:
         return solve(scene, start=start, **options)

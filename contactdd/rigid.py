@@ -31,7 +31,8 @@ Floats = NDArray[np.float64]
 class Resistance:
     """What an interface adds to the stiffness of the rigid motions: Σ_p φ_p m_p m_pᵀ.
 
-    rows: (points, motions) √weight u_n of each motion; transfer: from φ at the interface to these points.
+    rows: (points, motions) √weight u_n of each motion; transfer: from φ at the interface to these points, None where
+    they are its own.
     """
 
     interface: int
@@ -132,11 +133,15 @@ class RigidMotions:
             raise self.loose(free @ work)
         return pivots(motions)
 
+    def by_owner(self, coefficients: Floats) -> list[Floats]:
+        """Every owner's part of coefficients (motions,) or (motions, n)."""
+        ends = np.cumsum([owner.coefficients.shape[1] for owner in self.owners])
+        return np.split(coefficients, ends[:-1])
+
     def loose(self, motion: Floats) -> LooseBodyError:
         """The error that names the body which a motion (coefficients) moves most, and how."""
-        ends = np.cumsum([owner.coefficients.shape[1] for owner in self.owners])
-        parts = np.split(motion, ends[:-1])
-        owner, part = max(zip(self.owners, parts, strict=True), key=lambda pair: float(np.linalg.norm(pair[1])))
+        pairs = zip(self.owners, self.by_owner(motion), strict=True)
+        owner, part = max(pairs, key=lambda pair: float(np.linalg.norm(pair[1])))
         return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part))
 
 
@@ -186,6 +191,7 @@ def allowed_motions(modes: Floats, space: AdmissibleSpace) -> tuple[Floats, Floa
     modes: (dofs, motions) all of a body; space: what the supports leave. Returns the unknowns of an orthonormal set
     (unknowns, allowed), and its coefficients in `modes` (motions, allowed).
     """
+    # Zero rows, so that there are as many singular values as motions.
     rows = np.concatenate([space.prevented(modes), np.zeros((modes.shape[1], modes.shape[1]))])
     _, singular, right = np.linalg.svd(rows, full_matrices=False)
     allowed = right[singular <= 1e-8 * np.linalg.norm(modes)].T

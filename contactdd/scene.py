@@ -19,7 +19,7 @@ from .copies import originals
 from .errors import one_of, tuple_of
 from .interface import Interface, discretise
 from .layer import Layer
-from .memory import body_unknowns, cheapest_solver, refuse_if_too_large
+from .memory import cheapest_solver, refuse_if_too_large
 from .multigrid import MultigridSubproblem
 from .parameter import Parameter, parameters
 from .ranks import Ranks
@@ -42,7 +42,7 @@ class Scene:
         self.contacts = tuple_of("contacts", contacts, Contact)
         self._check()
         # One rank alone need not weigh them.
-        self.ranks = Ranks(comm, [body_unknowns(body) if comm.size > 1 else 0.0 for body in self.bodies])
+        self.ranks = Ranks(comm, [body.dofs if comm.size > 1 else 0.0 for body in self.bodies])
         self._subproblems: dict[tuple[str, int], Subproblem] = {}
         self._read = self._parameter_values()
 
@@ -103,7 +103,7 @@ class Scene:
         inner, original = self._subproblem("assembled", place), self._original("condensed", place)
         return CondensedSubproblem(inner, self.ranks.team(place), others, original)
 
-    def _original(self, kind: str, place: int) -> Any:
+    def _original(self, kind: str, place: int) -> tuple[Any, Floats] | None:
         """The problem of the body that this one is a copy of, if that has been made, and the signs between them."""
         original = self._originals[place]
         if original is None or not self.ranks.alone or (kind, original[0]) not in self._subproblems:
@@ -113,6 +113,7 @@ class Scene:
 
     @cached_property
     def _originals(self) -> list[tuple[int, Floats] | None]:
+        """The place of the body that each is a copy of, with the signs between them."""
         return originals(self.bodies)
 
     def refresh(self) -> None:

@@ -1,4 +1,4 @@
-"""The schemes: which Robin coefficient φ^k each of them takes, and whether it lets the bodies part.
+"""The schemes: which Robin coefficient φ^k each of them takes, and whether its step solves the bodies apart.
 
 All are G^k(u^{k+1}, v) = G^k(u^k, v) − γ^k F₁'(u^k, v), (16) and (25). They differ in φ^k and in G^k: a decomposed
 scheme keeps φ (u_αn v_αn + u_βn v_βn), so that every body is solved on its own; a coupled one keeps the product of

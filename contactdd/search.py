@@ -32,8 +32,9 @@ class _Level:
         """The blocks of two neighbours each."""
         starts = np.arange(0, len(self.angle), 2)
         axis = _units(np.add.reduceat(self.axis, starts))
-        angle = angle_between(self.axis, np.repeat(axis, 2, axis=0)[: len(self.axis)]) + self.angle
-        angle[~np.any(np.repeat(axis, 2, axis=0)[: len(self.axis)], axis=1)] = np.pi  # opposite axes have no middle
+        above = np.repeat(axis, 2, axis=0)[: len(self.axis)]
+        angle = angle_between(self.axis, above) + self.angle
+        angle[~np.any(above, axis=1)] = np.pi  # opposite axes have no middle
         return _Level(
             np.minimum.reduceat(self.low, starts),
             np.maximum.reduceat(self.high, starts),
@@ -78,8 +79,9 @@ def _may_overlap(first: _Level, i: Indices, second: _Level, j: Indices, reach: f
     spread = first.angle[i] + second.angle[j]
     # Common normals stay within `spread` of the middle one, the offset of overlapping facets within `radius` of them.
     middle = _units(first.axis[i] - second.axis[j])
-    across = np.linalg.norm(offset - np.sum(offset * middle, axis=1)[:, None] * middle, axis=1)
-    tilt = np.arctan2(across, np.abs(np.sum(offset * middle, axis=1)))
+    along = np.sum(offset * middle, axis=1)
+    across = np.linalg.norm(offset - along[:, None] * middle, axis=1)
+    tilt = np.arctan2(across, np.abs(along))
     least = np.where(spread < 1.0, distance * np.sin(np.clip(tilt - spread, 0.0, None)), 0.0)
     return (opening - spread <= FACING) & (distance <= reach + radius) & (least <= radius)
 

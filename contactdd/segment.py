@@ -101,9 +101,7 @@ def _overlaps_of_polygons(first: Floats, second: Floats) -> tuple[Indices, Float
     polygon, count = _without_rounding(*_clip(first, second), smaller)
     centre = polygon.sum(axis=1) / np.maximum(count, 1)[:, None]
     places = np.arange(polygon.shape[1])
-    following = np.where(places + 1 < count[:, None], places + 1, 0)
-    ends = np.take_along_axis(polygon, following[:, :, None], axis=1)
-    triangles = np.stack([np.broadcast_to(centre[:, None], polygon.shape), polygon, ends], axis=2)
+    triangles = np.stack([np.broadcast_to(centre[:, None], polygon.shape), polygon, _next(polygon, count)], axis=2)
     whole = count == 3  # a triangle needs no cut
     triangles[whole, 0] = polygon[whole, :3]
     used = (places < count[:, None]) & ~(whole[:, None] & (places > 0))
@@ -119,24 +117,18 @@ def _clip(polygons: Floats, windows: Floats) -> tuple[Floats, Indices]:
     """
     polygon, count = polygons, np.full(len(polygons), polygons.shape[1])
     for start, end in zip(np.moveaxis(windows, 1, 0), np.moveaxis(np.roll(windows, -1, axis=1), 1, 0), strict=True):
-        places = np.arange(polygon.shape[1])
-        there = places < count[:, None]
-        following = np.where(places + 1 < count[:, None], places + 1, 0)
+        there = np.arange(polygon.shape[1]) < count[:, None]
         edge = end - start
         inside = edge[:, None, 0] * (polygon[:, :, 1] - start[:, None, 1])
         inside -= edge[:, None, 1] * (polygon[:, :, 0] - start[:, None, 0])
-        inside_next = np.take_along_axis(inside, following, axis=1)
+        inside_next = _next(inside, count)
         crossing = inside * inside_next < 0.0
         part = inside / np.where(crossing, inside - inside_next, 1.0)
-        ends = np.take_along_axis(polygon, following[:, :, None], axis=1)
-        cut = polygon + part[:, :, None] * (ends - polygon)
+        cut = polygon + part[:, :, None] * (_next(polygon, count) - polygon)
         # Every corner inside stays, followed by the cut of its edge.
         corners = np.stack([polygon, cut], axis=2).reshape(len(polygon), -1, 2)
         kept = np.stack([there & (inside >= 0.0), there & crossing], axis=2).reshape(len(polygon), -1)
-        order = np.argsort(~kept, axis=1, kind="stable")[:, : polygon.shape[1] + 1]
-        count = np.minimum(kept.sum(axis=1), order.shape[1])  # more than that are slivers of rounding
-        polygon = np.take_along_axis(corners, order[:, :, None], axis=1)
-        polygon[np.arange(polygon.shape[1]) >= count[:, None]] = 0.0
+        polygon, count = _packed(corners, kept, polygon.shape[1] + 1)  # more corners are slivers of rounding
     return polygon, count
 
 
@@ -147,18 +139,30 @@ def _without_rounding(polygons: Floats, count: Indices, areas: Floats) -> tuple[
     """
     places = np.arange(polygons.shape[1])
     for doubled in (True, False):
-        following = np.where(places + 1 < count[:, None], places + 1, 0)
-        ends = np.take_along_axis(polygons, following[:, :, None], axis=1)
+        ends = _next(polygons, count)
         if doubled:
             kept = np.linalg.norm(ends - polygons, axis=2) > MERGED * np.sqrt(areas)[:, None]
         else:
             preceding = np.where(places > 0, places - 1, np.maximum(count, 1)[:, None] - 1)
             starts = np.take_along_axis(polygons, preceding[:, :, None], axis=1)
             kept = _areas(np.stack([starts, polygons, ends], axis=2)) > NEGLIGIBLE * areas[:, None]
-        kept &= places < count[:, None]
-        order = np.argsort(~kept, axis=1, kind="stable")
-        polygons, count = np.take_along_axis(polygons, order[:, :, None], axis=1), kept.sum(axis=1)
-        polygons[places >= count[:, None]] = 0.0
+        polygons, count = _packed(polygons, kept & (places < count[:, None]), len(places))
+    return polygons, count
+
+
+def _next(values: Floats, count: Indices) -> Floats:
+    """What stands at the next corner around each polygon, of values at its corners (n, corners, ...)."""
+    places = np.arange(values.shape[1])
+    following = np.where(places + 1 < count[:, None], places + 1, 0)
+    return values[np.arange(len(values))[:, None], following]
+
+
+def _packed(corners: Floats, kept: NDArray[np.bool_], size: int) -> tuple[Floats, Indices]:
+    """The first `size` corners kept of each polygon, padded with zeros to (n, size, 2), and how many each has."""
+    order = np.argsort(~kept, axis=1, kind="stable")[:, :size]
+    count = np.minimum(kept.sum(axis=1), size)
+    polygons = np.take_along_axis(corners, order[:, :, None], axis=1)
+    polygons[np.arange(size) >= count[:, None]] = 0.0
     return polygons, count
 
 

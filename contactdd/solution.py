@@ -90,7 +90,6 @@ class Solution:
     ) -> None:
         self.scene, self.history, self.status, self.reason, self.method = scene, history, status, reason, method
         self._ensemble, self._state = ensemble, state
-        self._interfaces = scene.interfaces  # as they are now: a parameter may change the scene's later
         self._displacements: dict[str, fem.Function] = {}
         if not scene.ranks.alone:
             _ = self._fields  # while all ranks are here: later some may ask and others not
@@ -116,7 +115,7 @@ class Solution:
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
         index = self._contact_index(contact)
-        interface, gaps = self._interfaces[index], self._state.gaps[index]
+        interface, gaps = self._ensemble.interfaces[index], self._state.gaps[index]
         if degree is not None:
             interface = _resampled(interface, degree)
             gaps = interface.gap.copy()
@@ -256,8 +255,8 @@ class Solution:
         motions = self._ensemble.rigid
         if motions.modes.shape[1] == 0 or motions.neutral.shape[1] == 0:
             return fields
-        parts = np.split(motions.neutral, np.cumsum([o.coefficients.shape[1] for o in motions.owners])[:-1])
         moves = []
+        parts = motions.by_owner(motions.neutral)
         for body, owner, part in zip(self.scene.bodies, motions.owners, parts, strict=True):
             rigid = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
             moves.append(rigid.reshape(-1, rigid.shape[-1]) @ (owner.coefficients @ part))

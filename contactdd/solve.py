@@ -13,11 +13,12 @@ from .checkpoint import Keeper, read
 from .ensemble import Ensemble
 from .errors import NoEquilibriumError, NotConvergedError, one_of, positive
 from .history import Record
-from .iteration import Rule, Run, find_step
+from .iteration import Rule, Run
 from .progress import Progress
 from .scene import Scene
 from .scheme import Scheme, find_scheme
 from .solution import Solution
+from .step import find_step
 
 Gamma = float | Iterable[float] | Callable[[int], float] | str
 

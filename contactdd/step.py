@@ -1,5 +1,5 @@
 """The linear problems of one iteration: apart for every body, coupled and solved directly, or coupled and solved by a
-Krylov method whose every step solves the bodies apart.
+Krylov method whose every step solves the bodies apart. `find_step` chooses among them.
 """
 
 from __future__ import annotations
@@ -13,10 +13,17 @@ from numpy.typing import NDArray
 
 from .coupled import CoupledSystem
 from .ensemble import Ensemble
+from .multigrid import MultigridSubproblem
 from .ranks import Ranks
+from .rigid import dense_diagonal
+from .scheme import Scheme
 
 Floats = NDArray[np.float64]
 Phi = Mapping[int, Floats]
+
+#: Contact unknowns of a body up to which "auto" factors the coupled system, or as many in more bodies as make no more
+#: entries: those of one body are all coupled, those of different ones only across their contacts.
+LARGEST_DIRECT = 6000
 
 
 class Step(Protocol):
@@ -48,19 +55,6 @@ class Apart:
         problems, forces = self._ensemble.problems, self._ensemble.split(residual)
         self.body_solves += len(problems)
         return np.concatenate(self._ranks.each(lambda place: problems[place].correct(phi, forces[place], scale)))
-
-
-class Direct:
-    """All bodies in one linear system, factored: (17), (26), (27)."""
-
-    def __init__(self, ensemble: Ensemble, note: str = "") -> None:
-        self._system = CoupledSystem(ensemble)
-        self._bodies = len(ensemble.problems)
-        self.body_solves, self.note = 0, note
-
-    def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
-        self.body_solves += self._bodies  # each body takes part once
-        return self._system.correct(phi, residual, scale)
 
 
 class Krylov:
@@ -120,7 +114,21 @@ class Krylov:
             modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
             return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
 
-        return scipy.linalg.block_diag(*self._ranks.each(of))
+        return dense_diagonal(self._ranks.each(of))
+
+
+def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
+    """The kind of linear problem that the scheme asks for, or the one that suits the scene where it leaves it open."""
+    problems = ensemble.problems
+    if scheme.step == "apart":
+        return Apart(ensemble, ranks)
+    entries = sum(problem.size**2 for problem in problems)
+    small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridSubproblem) for p in problems)
+    if scheme.step == "direct" or (scheme.step == "auto" and small):
+        note = f"auto: coupled Newton, {ensemble.size} unknowns factored" if scheme.step == "auto" else ""
+        return CoupledSystem(ensemble, note)
+    note = f"auto: Newton with Krylov steps, {ensemble.size} unknowns" if scheme.step == "auto" else ""
+    return Krylov(ensemble, ranks, note)
 
 
 def deflated_conjugate_gradients(
@@ -135,12 +143,13 @@ def deflated_conjugate_gradients(
 ) -> Floats:
     """The solution of a positive (semi)definite system whose coarse part `start` has solved already.
 
-    project: takes the coarse space out of a search direction. Ends when the preconditioned residual has fallen by
-    `reduction`, or for `patience` steps not at all, as where only rounding is left; every iterate lowers the energy, so
-    that it is a descent direction whenever it ends.
+    apply: the matrix times a vector; project: takes the coarse space out of a search direction. Ends when the
+    preconditioned residual has fallen to the part `reduction` of what it was at the start, or for `patience` steps not
+    at all, as where only rounding is left; every iterate lowers the energy, so that it is a descent direction whenever
+    it ends.
     """
     solution, residual = start.copy(), rhs - apply(start)
-    direction = preconditioned = precondition(residual)
+    preconditioned = precondition(residual)
     direction = project(preconditioned)
     square = residual @ preconditioned
     # Rounding of the coarse solve is all that is left where the coarse space holds the solution.

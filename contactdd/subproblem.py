@@ -3,6 +3,7 @@
 A subproblem works with some vector of unknowns y of its body and hides which. `Subproblem` keeps every free
 displacement and reassembles and refactors its matrix at each step, the plain reading of the method.
 `CondensedSubproblem` keeps only the displacements that the contacts touch; the inside is eliminated once.
+`RemoteSubproblem` is one whose inside another rank holds.
 """
 
 from __future__ import annotations
@@ -33,14 +34,18 @@ if TYPE_CHECKING:
     from .admissible import Operator
 
 Floats = NDArray[np.float64]
+#: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
+#: energy, the load on all degrees of freedom, and the rigid motions with their coefficients and springs.
+Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
 
 
 @dataclass(frozen=True)
 class Port:
     """Where one interface meets the unknowns of a body.
 
-    interface: its place in the scene; trace, offset: u_n at its points is trace @ y + offset; robin_trace: u_n of
-    the unknowns at the integration points of the body's own surface.
+    interface: its place in the scene; side: the body's side of it; trace (points, unknowns), offset (points,): u_n at
+    its points is trace @ y + offset; robin_trace: u_n of the unknowns at the integration points of the body's own
+    surface.
     """
 
     interface: int
@@ -242,6 +247,7 @@ class Subproblem:
         return values
 
     def _rigid_motions(self, modes: Floats, coefficients: Floats, springs: Floats) -> RigidMotions:
+        """The rigid motions with these columns of unknowns, of coefficients and of forces of springs."""
         contacts = [
             Resistance(
                 port.interface,
@@ -365,10 +371,9 @@ class CondensedSubproblem(Subproblem):
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
         values = np.concatenate([normal_displacement[port.interface] - port.offset for port in self.ports])
-        traces = [port.trace for port in self.ports]
-        if all(isinstance(trace, np.ndarray) for trace in traces):
-            return np.linalg.lstsq(np.vstack(traces), values, rcond=1e-12)[0]
-        rows = scipy.sparse.vstack([scipy.sparse.csr_matrix(trace) for trace in traces])
+        rows = stacked([port.trace for port in self.ports])
+        if isinstance(rows, np.ndarray):
+            return np.linalg.lstsq(rows, values, rcond=1e-12)[0]
         return scipy.sparse.linalg.lsqr(rows, values, atol=1e-15, btol=1e-15)[0]
 
     def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
@@ -409,11 +414,6 @@ class RemoteSubproblem(CondensedSubproblem):
         self.sides = sides(place, interfaces)
         self.ports = kept_ports(self.sides, self.space, self.kept)
         self.rigid = self._rigid_motions(*motions)
-
-
-#: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
-#: energy, the load on all degrees of freedom, and the rigid motions with their coefficients and springs.
-Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
 
 
 def sides(place: int, interfaces: Sequence[Interface]) -> list[tuple[int, Side]]:
@@ -462,6 +462,13 @@ def _hold(modes: Floats) -> bool:
         return bool(modes.any(axis=0).all())
     singular = np.linalg.svd(modes, compute_uv=False)
     return len(singular) == modes.shape[1] and singular[-1] > 1e-8 * singular[0]
+
+
+def stacked(operators: Sequence[Operator]) -> Operator:
+    """Operators one below the other, dense if they all are."""
+    if all(isinstance(operator, np.ndarray) for operator in operators):
+        return np.vstack(operators)
+    return scipy.sparse.vstack([scipy.sparse.csr_matrix(operator) for operator in operators]).tocsr()
 
 
 def product_map(trace: Operator, weights: Floats) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .body import Body
 
 Floats = NDArray[np.float64]
-# One prescribed component: nodes (n,), a unit direction (dim,) and the values (n,) of u·direction at the nodes.
+#: One prescribed component: nodes (n,), a unit direction (dim,) and the values (n,) of u·direction at the nodes.
 Condition = tuple[NDArray[np.int32], Floats, Floats]
 
 

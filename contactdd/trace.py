@@ -82,6 +82,11 @@ def facet_corners(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> Floats:
     return domain.geometry.x[nodes][:, :, : domain.topology.dim]
 
 
+def dot(a: Floats, b: Floats) -> Floats:
+    """The scalar products of vectors (..., dim) that broadcast."""
+    return np.einsum("...i,...i->...", a, b)
+
+
 def facet_type(domain: dmesh.Mesh) -> basix.CellType:
     """The shape of the mesh's facets."""
     return basix.cell.subentity_types(compat.coordinate_map(domain).cell_type)[domain.topology.dim - 1][0]
@@ -116,7 +121,7 @@ def _normal_operator(
 ) -> scipy.sparse.csr_matrix:
     """u along directions (n, dim) at n points, from the basis functions seen there (m,): point by point, each one's
     node and value."""
-    dim, size = space.dofmap.bs, space.dofmap.index_map.size_local + space.dofmap.index_map.num_ghosts
+    dim, size = space.dofmap.bs, space.dofmap.index_map.size_local
     values = basis[:, None] * direction[point]
     # Exact zeros (inner nodes, the components along a flat surface) must not become unknowns of the contact.
     pair, component = np.nonzero(np.abs(values) > 1e-14)
@@ -181,9 +186,9 @@ def _facet_points(domain: dmesh.Mesh, cells: NDArray[np.int32], reference: Float
     """From where p points on a facet of each of n cells are in the reference cell, (n, p, dim), and the table there."""
     x, derivatives = _map(domain, cells, table)
     across = _across(derivatives[:, :-1])
-    area = np.sqrt(_dot(across, across))
+    area = np.sqrt(dot(across, across))
     # What is outward in the reference cell is outward in every cell, also in one of negative det J.
-    normal = across / np.copysign(area, _dot(across, derivatives[:, -1]))[:, None]
+    normal = across / np.copysign(area, dot(across, derivatives[:, -1]))[:, None]
     return FacetPoints(np.repeat(cells, reference.shape[1]), reference.reshape(x.shape), x, normal, area)
 
 
@@ -199,11 +204,6 @@ def _map(domain: dmesh.Mesh, cells: NDArray[np.int32], table: Floats) -> tuple[F
     # One product for all: the points themselves, and the derivatives.
     mapped = np.matmul(table.reshape(n, p * rows, size), nodes - corner).reshape(n, p, rows, dim)
     return (mapped[:, :, 0] + corner).reshape(n * p, dim), mapped[:, :, 1:].reshape(n * p, dim, dim)
-
-
-def _dot(a: Floats, b: Floats) -> Floats:
-    """The scalar products of n vectors, (n, dim) each."""
-    return np.einsum("ij,ij->i", a, b)
 
 
 def _across(tangents: Floats) -> Floats:

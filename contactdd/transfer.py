@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from .errors import MeshMismatchError
 from .search import FACING, facing_pairs
 from .segment import common_normals, meet_line, segments
-from .trace import FacetPoints, facet_map, facet_points
+from .trace import FacetPoints, dot, facet_map, facet_points
 
 if TYPE_CHECKING:
     from .contact import Contact
@@ -49,7 +49,7 @@ class Partners:
     @property
     def gap(self) -> Floats:
         """The distance along the common normal, (n,); negative where the meshes overlap."""
-        return np.sum((self.points[1].x - self.points[0].x) * self.normal, axis=1)
+        return dot(self.points[1].x - self.points[0].x, self.normal)
 
     @property
     def middle(self) -> Floats:
@@ -65,7 +65,7 @@ class Partners:
 
     def covered(self, side: int, count: int) -> Floats:
         """How much of each of the side's `count` facets has a partner, in the facet's own area."""
-        slope = np.abs(np.sum(self.points[side].normal * self.normal, axis=1))
+        slope = np.abs(dot(self.points[side].normal, self.normal))
         return np.bincount(self.facets[side], self.weights / slope, count)
 
 
@@ -124,7 +124,7 @@ def _matching_facets(first: ContactSurface, second: ContactSurface, reach: float
     if len(np.unique(facet)) != n or distance.max() > reach:
         return None
     normal = first.points.normal.reshape(n, -1, dim)
-    if np.any(_along(normal, second.points.normal.reshape(n, -1, dim)[facet]) > -np.cos(FACING)):
+    if np.any(dot(normal, second.points.normal.reshape(n, -1, dim)[facet]) > -np.cos(FACING)):
         return None
     offsets = _offsets(first.corners, second.corners[facet], normal[:, :1])
     return facet if offsets.min(axis=2).max() <= _tolerance(first) else None
@@ -136,10 +136,10 @@ def _in_order(first: ContactSurface, second: ContactSurface, reach: float) -> bo
     if here.x.shape != there.x.shape or first.per_facet < first.body.mesh.dim:  # too few points to tell the facets
         return False
     offset = there.x - here.x
-    along = _along(offset, here.normal)
+    along = dot(offset, here.normal)
     across = offset - along[:, None] * here.normal
-    facing = _along(here.normal, there.normal).max() < -np.cos(FACING)
-    return bool(facing and np.abs(along).max() <= reach and _along(across, across).max() <= _tolerance(first) ** 2)
+    facing = dot(here.normal, there.normal).max() < -np.cos(FACING)
+    return bool(facing and np.abs(along).max() <= reach and dot(across, across).max() <= _tolerance(first) ** 2)
 
 
 def _tolerance(surface: ContactSurface) -> float:
@@ -150,27 +150,27 @@ def _tolerance(surface: ContactSurface) -> float:
     return 1e-6 * np.sqrt(surface.areas.reshape(n, -1).sum(axis=1).max())
 
 
-def by_segments(contact: Contact, first: ContactSurface, second: ContactSurface, reach: float) -> Partners:
+def by_segments(contact: Contact, first: ContactSurface, second: ContactSurface) -> Partners:
     """The partners on the segments of both surfaces, whatever their meshes.
 
     Raises MeshMismatchError if no facet has a partner, or some have two, one behind the other.
     """
     sides = (first, second)
     flat = [side.middles.normal for side in sides]
-    pairs = facing_pairs(first.corners, flat[0], second.corners, flat[1], reach)
-    facing = np.sum(flat[0][pairs[0]] * flat[1][pairs[1]], axis=1) < -np.cos(FACING)
+    pairs = facing_pairs(first.corners, flat[0], second.corners, flat[1], contact.reach)
+    facing = dot(flat[0][pairs[0]], flat[1][pairs[1]]) < -np.cos(FACING)
     pairs = (pairs[0][facing], pairs[1][facing])
     common = common_normals(flat[0][pairs[0]], flat[1][pairs[1]])
     simplex = basix.CellType.interval if first.body.mesh.dim == 2 else basix.CellType.triangle
     rule = basix.make_quadrature(simplex, first.rule.degree)
     found = segments(first.corners[pairs[0]], second.corners[pairs[1]], common, *rule)
     if len(found.pair) == 0:  # an element is not asked for its values at no point
-        raise MeshMismatchError(_why_none(contact, first, second, reach))
+        raise MeshMismatchError(_why_none(contact, first, second))
     facets = (pairs[0][found.pair], pairs[1][found.pair])
     partners = _opposite(sides, facets, found.line, common[found.pair], found.weight, found.pair)
-    partners = _within(partners, reach)
+    partners = _within(partners, contact.reach)
     if len(partners.weights) == 0:
-        raise MeshMismatchError(_why_none(contact, first, second, reach))
+        raise MeshMismatchError(_why_none(contact, first, second))
     for place, side in enumerate(sides):
         twice = partners.covered(place, len(side.facets)) > 1.9 * side.facet_areas
         if np.any(twice):
@@ -212,14 +212,12 @@ def _opposite(
         if change < 1e-12:
             break
         normal = turned
-    weights = weights / np.sum(across * normal, axis=1) * sides[0].body.kinematics.weight(line.T)
+    weights = weights / dot(across, normal) * sides[0].body.kinematics.weight(line.T)
     return Partners((points[0], points[1]), facets, normal, weights, segment)
 
 
 def _within(partners: Partners, reach: float) -> Partners:
     """The segments whose partners are no further apart than `reach`, numbered without gaps."""
-    if len(partners.weights) == 0:
-        return partners
     count = int(partners.segment.max()) + 1
     total = np.bincount(partners.segment, partners.weights, count)
     far = np.bincount(partners.segment, partners.weights * np.abs(partners.gap), count) > reach * total
@@ -238,13 +236,8 @@ def _offsets(here: Floats, there: Floats, normal: Floats) -> Floats:
     On meshes that match only the offset across the contact may differ: points are compared within the facets' planes.
     """
     offset, normal = here[:, :, None] - there[:, None], normal[:, :, None]
-    across = offset - _along(offset, normal)[..., None] * normal
-    return np.sqrt(_along(across, across))
-
-
-def _along(a: Floats, b: Floats) -> Floats:
-    """The scalar products of vectors (..., dim) that broadcast."""
-    return np.einsum("...i,...i->...", a, b)
+    across = offset - dot(offset, normal)[..., None] * normal
+    return np.sqrt(dot(across, across))
 
 
 def _nearest(points: Floats, others: Floats) -> tuple[Floats, Indices]:
@@ -252,16 +245,16 @@ def _nearest(points: Floats, others: Floats) -> tuple[Floats, Indices]:
     if len(points) * len(others) > 10_000:
         return scipy.spatial.cKDTree(others).query(points)
     offset = points[:, None] - others
-    square = _along(offset, offset)
+    square = dot(offset, offset)
     return np.sqrt(square.min(axis=1)), square.argmin(axis=1)
 
 
-def _why_none(contact: Contact, first: ContactSurface, second: ContactSurface, reach: float) -> str:
+def _why_none(contact: Contact, first: ContactSurface, second: ContactSurface) -> str:
     """Why no facet of two surfaces has a partner, in words."""
     name = f"contact {contact.name!r}: the surfaces {first.surface!r} and {second.surface!r} "
     if np.min(first.middles.normal @ second.middles.normal.T) > -np.cos(FACING):
         return name + "do not face each other (their outward normals do not point towards one another)"
     nearest = float(scipy.spatial.cKDTree(second.middles.x).query(first.middles.x)[0].min())
-    if nearest > reach:
-        return name + f"are {nearest:.3g} apart; expected a distance within search_distance = {reach:.3g}"
+    if nearest > contact.reach:
+        return name + f"are {nearest:.3g} apart; expected a distance within search_distance = {contact.reach:.3g}"
     return name + "do not overlap: no facet of one lies opposite a facet of the other"
