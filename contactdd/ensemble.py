@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from .rigid import RigidMotions, dense_diagonal, joint_motions
+from .rigid import RigidMotions, joint_motions
 from .subproblem import Subproblem, stacked
 
 if TYPE_CHECKING:
@@ -156,7 +156,7 @@ class Ensemble:
         """The matrix with the bodies' blocks along its diagonal, dense if they all are and are small together."""
         if not self.dense or not all(isinstance(block, np.ndarray) for block in blocks):
             return BlockDiagonal(blocks)
-        return dense_diagonal(blocks)
+        return scipy.linalg.block_diag(*blocks)
 
     def _closing(self) -> Operator:
         """The operator from y to u_αn + u_βn at all points."""

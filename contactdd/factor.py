@@ -35,7 +35,7 @@ class Factor:
             self._set_schur(schur)
             # MUMPS' estimate of its workspace is too small where few unknowns are eliminated; it is a percentage.
             self._pc.getFactorMatrix().setMumpsIcntl(14, 1000 if matrix.shape[0] < 1000 else 50)
-        self._set_up()
+        _factor(self._pc)
         if schur is not None:
             self._pc.getFactorMatrix().setMumpsIcntl(26, 0)  # from now on solve with the inner matrix only
         self._rhs, self._solution = self._matrix.createVecs()
@@ -45,7 +45,7 @@ class Factor:
         self._csr[2][:] = values
         self._matrix.assemble()
         self._pc.setOperators(self._matrix)
-        self._set_up()
+        _factor(self._pc)
 
     def solve(self, rhs: Floats) -> Floats:
         """The solution for one right-hand side (unknowns,); with Schur unknowns, of the inner system only."""
@@ -71,13 +71,6 @@ class Factor:
         lower, upper = np.tril(dense, -1), np.triu(dense, 1)
         half = lower if np.any(lower) else upper.T
         return half + half.T + np.diag(np.diag(dense))
-
-    def _set_up(self) -> None:
-        """Factor, and notice if that failed: PETSc would go on and return infinities."""
-        self._pc.setUp()
-        code = self._pc.getFactorMatrix().getMumpsInfog(1)
-        if code < 0:
-            raise np.linalg.LinAlgError(f"MUMPS could not factor the matrix: INFOG(1) = {code}")
 
     def _handle(self) -> ctypes.c_void_p:
         return ctypes.c_void_p(self._pc.getFactorMatrix().handle)
@@ -111,7 +104,7 @@ class SpreadFactor:
         csr = (own.indptr.astype(PETSc.IntType), own.indices.astype(PETSc.IntType), own.data)
         self._matrix = PETSc.Mat().createAIJ((size, size), csr=csr, comm=comm)
         self._pc = _mumps(self._matrix)
-        self._pc.setUp()
+        _factor(self._pc)
         self._rhs, self._solution = self._matrix.createVecs()
 
     def solve(self, rhs: Floats) -> Floats:
@@ -152,6 +145,14 @@ def _mumps(matrix: PETSc.Mat) -> PETSc.PC:
     pc.setType("cholesky")
     pc.setFactorSolverType("mumps")
     return pc
+
+
+def _factor(pc: PETSc.PC) -> None:
+    """Factor, and notice if that failed: PETSc would go on and return infinities."""
+    pc.setUp()
+    code = pc.getFactorMatrix().getMumpsInfog(1)
+    if code < 0:
+        raise np.linalg.LinAlgError(f"MUMPS could not factor the matrix: INFOG(1) = {code}")
 
 
 @cache

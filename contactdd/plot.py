@@ -185,7 +185,7 @@ def _given_shape(solution: Solution, body: Body, points: NDArray[np.float64]) ->
 
     shift = np.zeros_like(points)
     dim = body.mesh.dim
-    for interface in solution.scene.interfaces:
+    for interface in solution.interfaces:
         if interface.contact.sides[0][0] is not body or not np.any(interface.shape):
             continue
         nearest = cKDTree(interface.x).query(points[:, :dim])[1]

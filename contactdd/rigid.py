@@ -148,22 +148,12 @@ class RigidMotions:
 def joint_motions(ensemble: Ensemble) -> RigidMotions:
     """The free rigid motions of all bodies together; a contact resists those that change its gap."""
     motions = [problem.rigid for problem in ensemble.problems]
-    modes, springs = (dense_diagonal(blocks) for blocks in zip(*((m.modes, m.springs) for m in motions), strict=True))
+    modes = scipy.linalg.block_diag(*(each.modes for each in motions))
+    springs = scipy.linalg.block_diag(*(each.springs for each in motions))
     closing = np.sqrt(ensemble.weights)[:, None] * (ensemble.closing @ modes)
     contacts = [Resistance(index, rows) for index, rows in enumerate(ensemble.by_interface(closing))]
     owners = [owner for each in motions for owner in each.owners]
     return RigidMotions(modes, springs, contacts, owners, max(each.largest for each in motions))
-
-
-def dense_diagonal(blocks: Sequence[Floats]) -> Floats:
-    """The matrix with the blocks along its diagonal."""
-    matrix = np.zeros([sum(sizes) for sizes in zip(*(block.shape for block in blocks), strict=True)])
-    row = column = 0
-    for block in blocks:
-        rows, columns = block.shape
-        matrix[row : row + rows, column : column + columns] = block
-        row, column = row + rows, column + columns
-    return matrix
 
 
 def _smallest(matrix: Floats) -> float:

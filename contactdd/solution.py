@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -102,6 +103,11 @@ class Solution:
     def iterations(self) -> int:
         return len(self.history)
 
+    @property
+    def interfaces(self) -> Sequence[Interface]:
+        """The discretised contacts as they were solved; a parameter may have changed the scene's since."""
+        return self._ensemble.interfaces
+
     def displacement(self, body: str | Body) -> fem.Function:
         """The displacement of a body (length), a dolfinx function."""
         place = self._place(body)
@@ -115,7 +121,7 @@ class Solution:
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
         index = self._contact_index(contact)
-        interface, gaps = self._ensemble.interfaces[index], self._state.gaps[index]
+        interface, gaps = self.interfaces[index], self._state.gaps[index]
         if degree is not None:
             interface = _resampled(interface, degree)
             gaps = interface.gap.copy()

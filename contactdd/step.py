@@ -15,7 +15,6 @@ from .coupled import CoupledSystem
 from .ensemble import Ensemble
 from .multigrid import MultigridSubproblem
 from .ranks import Ranks
-from .rigid import dense_diagonal
 from .scheme import Scheme
 
 Floats = NDArray[np.float64]
@@ -114,7 +113,7 @@ class Krylov:
             modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
             return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
 
-        return dense_diagonal(self._ranks.each(of))
+        return scipy.linalg.block_diag(*self._ranks.each(of))
 
 
 def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:

@@ -7,7 +7,7 @@ import pytest
 import test_uniform
 
 import contactdd as cd
-from contactdd.plot import body_grid, von_mises
+from contactdd.plot import _grid, body_grid, von_mises
 
 
 @pytest.fixture(scope="module")
@@ -23,6 +23,22 @@ def test_bodies(solution, tmp_path, monkeypatch):
     assert picture._repr_png_()[:4] == b"\x89PNG"
     with pytest.raises(ValueError, match="component = 'zy'"):
         solution.plot_bodies(component="zy")
+
+
+def test_bodies_of_an_earlier_solution_keep_their_gap():
+    """A parameter that has changed since does not change what is drawn."""
+    depth = cd.Parameter(1e-4)
+    lower, upper = (
+        cd.Body(name, cd.rectangle((0, y), (2, y + 1), (2, 1)), cd.Isotropic(2.1e5, 0.3), supports=[cd.Fixed(side)])
+        for name, y, side in (("lower", 0, "bottom"), ("upper", 1, "top"))
+    )
+    gap = depth.field(lambda value, x: np.full(x.shape[1], value))
+    scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4), gap=gap)])
+    earlier = cd.solve(scene)
+    depth.value = 5e-4
+    cd.solve(scene)
+    drawn = _grid(earlier, lower, "von Mises", "stress").point_data["drawn"]
+    assert drawn[:, 1].min() == pytest.approx(-1e-4, rel=1e-12)
 
 
 def test_contact_curves(solution, tmp_path):
