@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 FORMAT = "contactdd checkpoint"
 VERSION = 2
+#: What two scenes may differ by, relative to the largest number: rounding on another machine.
+SAME = 1e-8
 
 
 class Keeper:
@@ -57,7 +59,7 @@ def write(path: str | Path, run: Run) -> None:
     path = Path(path)
     header = _header(run.ensemble, run.scheme.name)
     arrays = {"header": _as_bytes(header)}
-    for name, parts in _taken_apart(run.state).items():
+    for name, parts in (_taken_apart(run.state) | _told_by(run.ensemble, run.state)).items():
         arrays |= {f"{name} {i}": part for i, part in enumerate(parts)}
     if run.anderson is not None:
         arrays |= {f"memory {i}": part for i, part in enumerate(run.anderson.memory)}
@@ -73,7 +75,8 @@ def write(path: str | Path, run: Run) -> None:
 def read(path: str | Path, ensemble: Ensemble, method: str) -> tuple[State, History, list[np.ndarray]]:
     """The state, the history and an accelerated method's memory.
 
-    Raises CheckpointError for a file that is damaged, is something else, or belongs to another scene or method.
+    Raises CheckpointError for a file that is damaged, is something else, or belongs to another scene or method: other
+    loads, gaps, layers or bodies would make its state pass for a solution.
     """
     path = Path(path)
     if not path.is_file():
@@ -94,6 +97,10 @@ def read(path: str | Path, ensemble: Ensemble, method: str) -> tuple[State, Hist
     sizes = {"unknowns": unknowns, "deformation": unknowns, "gaps": points, "previous_gaps": points}
     (y,), (deformation,), *gaps = (_parts(path, arrays, name, sizes[name]) for name in sizes)
     state = State(y, deformation, *gaps)
+    for name, here in _told_by(ensemble, state).items():
+        for one, other in zip(_parts(path, arrays, name, [len(part) for part in here]), here, strict=True):
+            if np.abs(one - other).max() > SAME * max(np.abs(one).max(), np.abs(other).max()):
+                raise CheckpointError(f"checkpoint = {str(path)!r}: made with other {name}; expected the same scene")
     history = History()
     for record in records:
         history.append(record)
@@ -116,6 +123,17 @@ def _taken_apart(state: State) -> dict[str, list[np.ndarray]]:
     """The arrays of a state by name: of all bodies together, or one for each interface."""
     parts = {field.name: getattr(state, field.name) for field in fields(state)}
     return {name: part if isinstance(part, list) else [part] for name, part in parts.items()}
+
+
+def _told_by(ensemble: Ensemble, state: State) -> dict[str, list[np.ndarray]]:
+    """What a scene gives at a state, by what of the scene it tells."""
+    forces = ensemble.forces(state)
+    return {
+        "loads or prescribed displacements": [ensemble.load],
+        "geometry or gaps": ensemble.gaps(state.unknowns),
+        "layers": [forces.tractions],
+        "materials or cells": [forces.elastic],
+    }
 
 
 def _as_bytes(value: Any) -> np.ndarray:

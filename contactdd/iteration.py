@@ -112,7 +112,7 @@ class Run:
         gammas = itertools.islice(gammas, done, None)
         last = self.history[-1] if done else None
         best, best_at = self._best_so_far(rule)
-        for k in range(done, rule.most + 1):  # k iterations are done
+        for k in range(done, max(done, rule.most) + 1):  # k iterations are done
             if not self._bounded():
                 return self._ending(
                     "diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}"
@@ -128,18 +128,20 @@ class Run:
                 best, best_at = distance, k
             elif k - best_at >= rule.patience:
                 return self._ending("stalled", f"no progress in {rule.patience} iterations: {reached}")
-            if k == rule.most:
+            if k >= rule.most:
                 break
             try:
                 last = self._iteration(k + 1, next(gammas), forces, scale, residual)
             except LooseBodyError as error:
                 return self._ending("diverged", f"{error} in iteration {k + 1}")
+            except np.linalg.LinAlgError as error:
+                return self._ending("stalled", f"{error} in iteration {k + 1}")
             except StopIteration:
                 return Ending("iteration limit", f"gamma ended after {k} values: {reached}")
             self.history.append(last)
-            if observe(last):
+            if self._ranks.agree(observe(last)):
                 return Ending("stopped", f"as asked in iteration {k + 1}")
-        return self._ending("iteration limit", f"{reached} after {rule.most} iterations")
+        return self._ending("iteration limit", f"{reached} after {k} iterations")
 
     def _best_so_far(self, rule: Rule) -> tuple[float, int]:
         """The smallest distance in the history, and after how many iterations it was reached."""

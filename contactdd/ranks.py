@@ -62,6 +62,21 @@ class Ranks:
                 raise error
         return [value for _, value in sorted((pair for part, _ in gathered for pair in part), key=lambda pair: pair[0])]
 
+    def once(self, make: Callable[[], T]) -> T:
+        """What the first rank makes, known to all; an error of it is raised on all."""
+        if self.alone:
+            return make()
+        made: tuple[Any, Exception | None] = (None, None)
+        if self.comm.rank == 0:
+            try:
+                made = (make(), None)
+            except Exception as error:
+                made = (None, error)
+        value, failed = self.comm.bcast(made, root=0)
+        if failed is not None:
+            raise failed
+        return value
+
     def agree(self, value: T) -> T:
         """The first rank's value: what is decided by rounding must be decided once."""
         return value if self.alone else self.comm.bcast(value, root=0)

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import itertools
 import math
+import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
+import numpy as np
+
 from . import start as starts
 from .checkpoint import Keeper, read
 from .ensemble import Ensemble
-from .errors import NoEquilibriumError, NotConvergedError, one_of, positive
+from .errors import NoEquilibriumError, NotConvergedError, finite, one_of, positive
 from .history import Record
 from .iteration import Rule, Run
 from .progress import Progress
@@ -71,19 +74,26 @@ def solve(
     Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
     CheckpointError for a checkpoint that is damaged or of another run.
     """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
     scheme = find_scheme(method)
     one_of("on_failure", on_failure, ("raise", "return"))
     relaxation = _relaxation(gamma, scheme)
     rule = _rule(tolerance, criterion, max_iterations, scheme)
-    ensemble = Ensemble(scene.subproblems(local_solver), scene.interfaces)
-    if checkpoint is not None and resume and Path(checkpoint).exists():
-        earlier = read(checkpoint, ensemble, scheme.name)
+    file, every = _file(checkpoint, resume), positive("checkpoint_every", checkpoint_every)
+    seconds = math.inf if time_limit is None else positive("time_limit", time_limit)
+    _check_start(start, previous)
+    if callback is not None and not callable(callback):
+        raise TypeError(f"callback = {callback!r}: expected a function of a record")
+    ranks, ensemble = scene.ranks, Ensemble(scene.subproblems(local_solver), scene.interfaces)
+    if resume and ranks.once(file.exists):
+        earlier = ranks.once(lambda: read(file, ensemble, scheme.name))
     else:
         earlier = (_start(ensemble, scheme, gamma, start, previous),)
-    run = Run(ensemble, scene.ranks, scheme, find_step(scheme, ensemble, scene.ranks), *earlier)
-    keeper = Keeper(checkpoint, positive("checkpoint_every", checkpoint_every), run)
+    run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
+    keeper = Keeper(file if ranks.comm.rank == 0 else None, every, run)
     with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
-        deadline = math.inf if time_limit is None else time.monotonic() + positive("time_limit", time_limit)
+        deadline = time.monotonic() + seconds
 
         def observe(record: Record) -> bool:
             bar.update(record)
@@ -102,7 +112,7 @@ def solve(
 def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> Rule:
     """The stopping rule, its numbers checked."""
     one_of("criterion", criterion, ("residual", "change"))
-    if int(most) != most or most < 1:
+    if finite("max_iterations", most) < 1 or most != int(most):
         raise ValueError(f"max_iterations = {most!r}: expected a whole number >= 1")
     # A relaxed method may come closer by a thousandth per iteration and still arrive; Newton's does not creep.
     return Rule(positive("tolerance", tolerance), criterion, int(most), 250 if scheme.decomposed else 40)
@@ -117,9 +127,35 @@ def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
         return itertools.repeat(None)
     if callable(gamma):
         return (positive("gamma", gamma(k)) for k in itertools.count())
-    if isinstance(gamma, Iterable):
-        return iter([positive("gamma", value) for value in gamma])
+    if isinstance(gamma, Iterable) and np.ndim(gamma) > 0:
+        values = [positive("gamma", value) for value in gamma]
+        if not values:
+            raise ValueError(f"gamma = {gamma!r}: expected at least one number")
+        return iter(values)
     return itertools.repeat(positive("gamma", gamma))
+
+
+def _file(checkpoint: str | Path | None, resume: bool) -> Path | None:
+    """The file of the checkpoint, in a folder that is there."""
+    if checkpoint is None:
+        if resume:
+            raise ValueError("resume = True: expected a checkpoint to go on from")
+        return None
+    if not isinstance(checkpoint, (str, os.PathLike)):
+        raise TypeError(f"checkpoint = {checkpoint!r}: expected the path of a file")
+    file = Path(checkpoint)
+    if file.is_dir() or not os.access(file.parent, os.W_OK):
+        raise ValueError(f"checkpoint = {checkpoint!r}: expected a file in a folder that can be written to")
+    return file
+
+
+def _check_start(start: starts.Given | Solution | None, previous: starts.Given | None) -> None:
+    """Refuse what no run can start from."""
+    if start is None and previous is not None:
+        raise ValueError(f"previous = {previous!r}: expected a start to go with it")
+    for name, value in (("start", start), ("previous", previous)):
+        if value is not None and not callable(value) and not isinstance(value, Solution):
+            finite(name, value)
 
 
 def _start(

@@ -42,7 +42,16 @@ class State:
 
 def from_solution(ensemble: Ensemble, solution: Solution) -> State:
     """Go on from the displacements of a solution of the same bodies."""
-    return _state(ensemble, [p.restrict(solution.displacement(p.body.name).x.array) for p in ensemble.problems])
+    parts = []
+    for problem in ensemble.problems:
+        displacement = solution.displacement(problem.body.name).x.array
+        if len(displacement) != problem.body.dofs:
+            raise ValueError(
+                f"start = a solution: its body {problem.body.name!r} has {len(displacement)} displacement components; "
+                f"expected {problem.body.dofs}"
+            )
+        parts.append(problem.restrict(displacement))
+    return _state(ensemble, parts)
 
 
 def from_contacts(ensemble: Ensemble, u_n: Given, previous: Given | None) -> State:

@@ -135,3 +135,47 @@ def test_numbers_that_are_none(scene, tmp_path):
     np.savez(file, **arrays)
     with pytest.raises(cd.CheckpointError, match="gaps 0"):
         cd.solve(scene, "chord", checkpoint=file, resume=True)
+
+
+def test_another_scene_is_refused(scene, tmp_path):
+    """A state that belongs to other loads, gaps, layers or materials must not pass for a solution of these."""
+    file = tmp_path / "state.npz"
+    load, depth = cd.Parameter(10.0), cd.Parameter(1.0)
+
+    def blocks(modulus: float = 2.1e5, softness: float = 4e-6) -> cd.Scene:
+        bodies = [
+            cd.Body(
+                name,
+                cd.rectangle((0, y), (2, y + 1), (4, 2)),
+                cd.Isotropic(modulus, 0.3),
+                supports=[cd.Symmetry("left", side) if side == "bottom" else cd.Symmetry("left")],
+                loads=[] if side == "bottom" else [cd.Pressure(side, load)],
+            )
+            for name, y, side in (("lower", 0, "bottom"), ("upper", 1, "top"))
+        ]
+        gap = depth.field(lambda value, x: 1e-4 * value * x[0])
+        layer = cd.PowerLayer(B=softness, a=1.1)
+        return cd.Scene(bodies, [cd.Contact((bodies[0], "top"), (bodies[1], "bottom"), layer, gap=gap)])
+
+    same = blocks()
+    right = cd.solve(same, checkpoint=file).contact().pressure
+    again = cd.solve(blocks(), checkpoint=file, resume=True)
+    assert again.iterations == len(again.history)
+    np.testing.assert_array_equal(again.contact().pressure, right)
+    for other, what in ((blocks(modulus=1e5), "materials"), (blocks(softness=5e-6), "layers")):
+        with pytest.raises(cd.CheckpointError, match=f"made with other {what}"):
+            cd.solve(other, checkpoint=file, resume=True)
+    depth.value = 2.0
+    with pytest.raises(cd.CheckpointError, match="made with other geometry or gaps"):
+        cd.solve(same, checkpoint=file, resume=True)
+    depth.value, load.value = 1.0, 11.0
+    with pytest.raises(cd.CheckpointError, match="made with other loads"):
+        cd.solve(same, checkpoint=file, resume=True)
+
+
+def test_fewer_iterations_than_are_done(scene, tmp_path):
+    file = tmp_path / "state.npz"
+    cd.solve(scene, "chord", checkpoint=file, callback=lambda record: record.iteration == 8)
+    resumed = cd.solve(scene, "chord", checkpoint=file, resume=True, max_iterations=5, on_failure="return")
+    assert resumed.status == "iteration limit"
+    assert resumed.iterations == 8

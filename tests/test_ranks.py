@@ -120,3 +120,24 @@ def test_one_rank_holds_all():
     scene = cd.Scene(bodies, [cd.Contact((bodies[0], "top"), (bodies[1], "bottom"), cd.LinearLayer(1.0))])
     assert scene.ranks.alone
     assert all(scene.ranks.owns(place) for place in range(2))
+
+
+def test_checkpoints_and_time_limits_are_decided_once(tmp_path):
+    """One rank writes the file and looks at the clock; the others follow, also when a run goes on from the file."""
+    code = (
+        SCENE
+        + """
+import sys
+file = sys.argv[1]
+whole = cd.solve(scene, "chord", gamma=0.6)
+cd.solve(scene, "chord", gamma=0.6, checkpoint=file, checkpoint_every=1e-9, callback=lambda r: r.iteration == 5)
+resumed = cd.solve(scene, "chord", gamma=0.6, checkpoint=file, resume=True)
+assert resumed.iterations == whole.iterations
+assert abs(resumed.contact().pressure - whole.contact().pressure).max() == 0.0
+for limit in (1e-6, 2e-3, 5e-3, 1e-2):
+    short = cd.solve(scene, "chord", gamma=0.01, time_limit=limit, on_failure="return")
+    assert scene.ranks.comm.allgather(short.iterations) == [short.iterations] * scene.ranks.comm.size
+"""
+    )
+    done = launch(2, code, str(tmp_path / "state.npz"), timeout=60)
+    assert done.returncode == 0, done.stderr
