@@ -201,3 +201,42 @@ def test_prescribed_displacement_presses_the_blocks_together():
 def test_wrong_loads_and_springs_are_refused_by_name(make, error, message):
     with pytest.raises(error, match=message):
         make()
+
+
+#: Supports that hold a block's whole contact surface "top": a rigid foundation.
+FOUNDATIONS = {
+    "top fixed": [cd.Fixed("top", "bottom")],
+    "top does not sink": [cd.Displacement("top", (None, 0.0)), cd.Fixed("bottom")],
+    "all fixed": [cd.Fixed("left", "right", "bottom", "top")],
+}
+
+
+def on_a_foundation(supports, degree=1):
+    """A grooved block pressed with Q · WIDTH onto one whose contact surface cannot move."""
+
+    def groove(x):
+        return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
+
+    return scene([cd.Pressure("top", Q)], supports, degree=degree, gap=groove)
+
+
+@pytest.mark.parametrize(
+    ("local_solver", "method"),
+    [
+        ("condensed", "auto"),
+        ("condensed", "newton-chord"),
+        ("assembled", "auto"),
+        ("assembled", "chord"),
+        ("assembled", "newton-krylov"),
+    ],
+)
+@pytest.mark.parametrize("foundation", FOUNDATIONS)
+def test_rigid_foundation(foundation, local_solver, method):
+    solution = cd.solve(on_a_foundation(FOUNDATIONS[foundation]), method, local_solver=local_solver)
+    assert solution.contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
+
+
+@pytest.mark.parametrize("degree", [3, 5])
+def test_rigid_foundation_of_higher_degree(degree):
+    solution = cd.solve(on_a_foundation(FOUNDATIONS["top fixed"], degree), local_solver="condensed")
+    assert solution.contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
