@@ -240,3 +240,20 @@ def test_rigid_foundation(foundation, local_solver, method):
 def test_rigid_foundation_of_higher_degree(degree):
     solution = cd.solve(on_a_foundation(FOUNDATIONS["top fixed"], degree), local_solver="condensed")
     assert solution.contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
+
+
+@pytest.mark.parametrize("method", ["auto", "chord", "newton-krylov"])
+def test_multigrid_of_a_body_without_unknowns(method):
+    solution = cd.solve(on_a_foundation(FOUNDATIONS["all fixed"]), method, local_solver="multigrid")
+    assert solution.contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
+
+
+def test_multigrid_of_a_held_body_under_one_that_floats():
+    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (1, 1)), STEEL, supports=[cd.Fixed("bottom", "top")])
+    sides = [cd.Symmetry("left", "right")]
+    load = [cd.Pressure("top", Q)]
+    upper = cd.Body("upper", cd.rectangle((0, 1), (4, 2), (4, 2)), STEEL, supports=sides, loads=load)
+    pressed = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER)])
+    for method in ("auto", "chord"):
+        force = cd.solve(pressed, method, local_solver="multigrid").contact().force
+        assert force == pytest.approx(4 * Q, rel=EXACT)
