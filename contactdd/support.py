@@ -146,7 +146,9 @@ def admissible_space(body: Body) -> AdmissibleSpace:
             values = values * np.sign(direction[axis])
             again = fixed[where, axis]
             if np.any(again):
-                _refuse_conflict(body, again & (np.abs(offset[where, axis] - values) > 1e-12 * np.ptp(values)))
+                # Functions differ by the rounding of their values elsewhere too, where they cross zero here.
+                largest = max(np.abs(values).max(), np.abs(offset[:, axis]).max())
+                _refuse_conflict(body, again & (np.abs(offset[where, axis] - values) > 1e-12 * largest))
             fixed[where, axis], offset[where, axis] = True, values
         else:
             for node, value in zip(where, values, strict=True):

@@ -12,6 +12,7 @@ from mpi4py import MPI
 from scipy.optimize import brentq
 
 import contactdd as cd
+from contactdd.support import admissible_space
 
 STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)
@@ -257,3 +258,36 @@ def test_multigrid_of_a_held_body_under_one_that_floats():
     for method in ("auto", "chord"):
         force = cd.solve(pressed, method, local_solver="multigrid").contact().force
         assert force == pytest.approx(4 * Q, rel=EXACT)
+
+
+@pytest.mark.parametrize(
+    "right",
+    [
+        cd.Displacement("right", (0.0, lambda x: -1e-3 * (x[1] - HEIGHT) * 0.3 / HEIGHT)),
+        cd.Displacement("right", (0.0, lambda x: 3e-4 * (x[1] - 2 * HEIGHT) - 1e-3 * 0.1 * 3)),
+        cd.Displacement("right", (0.0, -1e-3 * 0.1 * 3)),
+    ],
+)
+@pytest.mark.parametrize("order", [1, -1])
+def test_supports_that_agree_to_rounding_are_no_conflict(right, order):
+    lower = cd.Body("lower", cd.rectangle((0, 0), (WIDTH, HEIGHT), (3, 2)), STEEL, supports=[cd.Fixed("bottom")])
+    supports = [right, cd.Displacement("top", (None, -3e-4))][::order]
+    mesh = cd.rectangle((0, HEIGHT), (WIDTH, 2 * HEIGHT), (3, 2))
+    upper = cd.Body("upper", mesh, STEEL, supports=supports)
+    pushed = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER)])
+    assert cd.solve(pushed).contact().force > 0.0
+
+
+def test_supports_that_cross_zero_where_they_meet_are_no_conflict():
+    rounding = 1e-21
+    bent = cd.Displacement("top", (None, lambda x: 1e-4 * (x[0] / WIDTH - 1.0) + rounding))
+    for supports in ([bent, cd.Displacement("right", (None, 0.0))], [cd.Displacement("right", (None, 0.0)), bent]):
+        upper = cd.Body("upper", cd.rectangle((0, 2), (WIDTH, 4), (3, 2)), STEEL, supports=supports)
+        assert admissible_space(upper).offset.min() < 0.0
+
+
+def test_small_differences_of_supports_are_still_a_conflict():
+    supports = [cd.Displacement("right", (0.0, -3.00000001e-4)), cd.Displacement("top", (None, -3e-4))]
+    body = cd.Body("upper", cd.rectangle((0, 0), (WIDTH, 2), (3, 2)), STEEL, supports=supports)
+    with pytest.raises(ValueError, match="prescribe different displacements"):
+        admissible_space(body)
