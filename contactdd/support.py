@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .admissible import AdmissibleSpace
 from .errors import one_of, positive
-from .field import Field, coefficient, evaluate
+from .field import Field, coefficient, evaluate, refuse_no_field
 from .material import Number
 from .parameter import fixed_number
 from .trace import surface_points
@@ -67,6 +67,13 @@ class Displacement:
 
     surface: str
     values: Sequence[Field | None]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.values, list | tuple | np.ndarray):
+            raise TypeError(f"values = {self.values!r}: expected a list, one entry per coordinate (None where free)")
+        for value in self.values:
+            if value is not None:
+                refuse_no_field("displacement", value)
 
     def conditions(self, body: Body) -> Iterator[Condition]:
         if len(self.values) != body.mesh.dim:
