@@ -14,7 +14,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from . import compat
-from .errors import tuple_of
+from .errors import tuple_of, whole
 from .kinematics import kinematics as find_kinematics
 from .load import Load
 from .material import Material
@@ -51,14 +51,12 @@ class Body:
             raise TypeError(f"mesh = {mesh!r}: expected a contactdd mesh, such as cd.rectangle(...) makes")
         if not isinstance(material, Material):
             raise TypeError(f"material = {material!r}: expected a material, such as cd.Isotropic(E, nu)")
-        if int(degree) != degree or degree < 1:
-            raise ValueError(f"degree = {degree!r}: expected a whole number >= 1")
         self.name = name
         self.mesh = mesh
         self.material = material
         self.supports = tuple_of("supports", supports, Support)
         self.loads = tuple_of("loads", loads, Load)
-        self.degree = int(degree)
+        self.degree = whole("degree", degree)
         self.kinematics = find_kinematics(kinematics, mesh.dim)
         self._check_surfaces()
         self._check_radii()
@@ -183,9 +181,8 @@ class Body:
     def _check_surfaces(self) -> None:
         """Refuse an unknown surface name now, not when the forms are made."""
         for item in (*self.supports, *self.loads):
-            for surface in getattr(item, "surfaces", (getattr(item, "surface", None),)):
-                if surface is not None:
-                    self.mesh.facets(surface)
+            for surface in getattr(item, "surfaces", (item.surface,) if hasattr(item, "surface") else ()):
+                self.mesh.facets(surface)
 
 
 @cache

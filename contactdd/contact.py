@@ -8,7 +8,8 @@ from copy import copy
 import numpy as np
 
 from .body import Body
-from .errors import one_of, positive
+from .errors import one_of, positive, whole
+from .field import refuse_no_field
 from .layer import Layer
 from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
@@ -47,6 +48,9 @@ class Contact:
             if len(value[0].mesh.facets(value[1])) == 0:
                 raise ValueError(f"{side}: surface {value[1]!r} of body {value[0].name!r} has no facets")
         _refuse_no_layer(layer)
+        refuse_no_field("gap", gap)
+        if name is not None and not isinstance(name, str):
+            raise TypeError(f"name = {name!r}: expected a text")
         one_of("quadrature", quadrature, RULES)
         if quadrature == "vertex" and first[0].kinematics.ring:
             raise ValueError(
@@ -59,7 +63,7 @@ class Contact:
         self.measure_gap = bool(measure_gap)
         self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
-        self.quadrature_degree = quadrature_degree
+        self.quadrature_degree = None if quadrature_degree is None else whole("quadrature_degree", quadrature_degree)
         self.name = name or f"{first[0].name}–{second[0].name}"
 
     @property

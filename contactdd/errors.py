@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -77,6 +78,26 @@ def finite(name: str, value: Any) -> float:
     if not np.isfinite(number):
         raise ValueError(f"{name} = {value!r}: expected a finite number")
     return number
+
+
+def whole(name: str, value: Any, expected: str = "a whole number >= 1") -> int:
+    """`value` as an int, refused unless it is a whole number above zero."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} = {value!r}: expected {expected}")
+    if not 1 <= value < np.inf or int(value) != value:
+        raise ValueError(f"{name} = {value!r}: expected {expected}")
+    return int(value)
+
+
+def floats(name: str, value: Any, expected: str) -> np.ndarray:
+    """`value` as an array of floats, refused if it is anything else; of what shape and whether finite is not asked."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in "SUc":  # numpy would read a number in a text, and forget imaginary parts
+            raise TypeError
+        return np.asarray(array, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} = {value!r}: expected {expected}") from None
 
 
 def one_of(name: str, value: Any, choices: tuple[str, ...]) -> str:

@@ -29,6 +29,8 @@ class Factor:
         self._nothing_to_do = self._size == matrix.shape[0]  # MUMPS refuses to eliminate nothing
         if self._nothing_to_do:
             return
+        if self._size == 0:
+            schur = None  # and it refuses to keep nothing
         self._pc = _mumps(self._matrix)
         self._pc.setFactorSetUpSolverType()
         if schur is not None:
@@ -43,6 +45,8 @@ class Factor:
     def update(self, values: Floats) -> None:
         """Factor again with other values at the same places; the symbolic factorisation is kept."""
         self._csr[2][:] = values
+        if self._nothing_to_do:
+            return
         self._matrix.assemble()
         self._pc.setOperators(self._matrix)
         _factor(self._pc)
@@ -60,6 +64,8 @@ class Factor:
         """The Schur complement, dense (c, c)."""
         if self._nothing_to_do:
             return scipy.sparse.csr_matrix(self._csr[::-1], shape=(self._size, self._size)).toarray()
+        if self._size == 0:
+            return np.zeros((0, 0))
         library, matrix, status = _petsc(), ctypes.c_void_p(), ctypes.c_int(-1)
         _check(library.MatFactorCreateSchurComplement(self._handle(), ctypes.byref(matrix), ctypes.byref(status)))
         pointer = ctypes.POINTER(ctypes.c_double)()

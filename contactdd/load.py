@@ -12,7 +12,8 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from .field import Field, coefficient
+from .errors import floats
+from .field import Field, coefficient, refuse_no_field
 from .parameter import current
 
 if TYPE_CHECKING:
@@ -26,6 +27,9 @@ class Pressure:
     surface: str
     value: Field
 
+    def __post_init__(self) -> None:
+        refuse_no_field("pressure", self.value)
+
     def form(self, body: Body, v: Any) -> Any:
         p = coefficient("pressure", self.value, body.mesh.domain, (), body.degree + 2)
         return body.over_surface(-p * ufl.dot(ufl.FacetNormal(body.mesh.domain), v), self.surface)
@@ -38,6 +42,9 @@ class Traction:
     surface: str
     value: Field
 
+    def __post_init__(self) -> None:
+        refuse_no_field("traction", self.value, vector=True)
+
     def form(self, body: Body, v: Any) -> Any:
         p = coefficient("traction", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
         return body.over_surface(ufl.dot(p, v), self.surface)
@@ -48,6 +55,9 @@ class BodyForce:
     """A force per unit volume."""
 
     value: Field
+
+    def __post_init__(self) -> None:
+        refuse_no_field("body force", self.value, vector=True)
 
     def form(self, body: Body, v: Any) -> Any:
         f = coefficient("body force", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
@@ -64,6 +74,9 @@ class Resultant:
 
     surface: str
     force: Field
+
+    def __post_init__(self) -> None:
+        floats("force", current(self.force), "2 or 3 finite numbers")
 
     def form(self, body: Body, v: Any) -> Any:
         force = current(self.force)

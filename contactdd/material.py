@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import finite
+from .errors import finite, floats
 from .field import evaluate
 from .parameter import fixed_number
 
@@ -163,7 +163,7 @@ class Anisotropic(Material):
         return values
 
     def _given(self, x: Floats) -> Floats:
-        return np.asarray(self.C(x) if callable(self.C) else self.C, dtype=float)
+        return floats("C", self.C(x) if callable(self.C) else self.C, "a matrix (6, 6)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +184,8 @@ class Rotated(Material):
 
 def _rotation(rotation: ArrayLike | Callable[[Floats], Any], x: Floats) -> Floats:
     """The matrices of the material axes at points, (points, 3, 3)."""
-    value = np.asarray(rotation(x) if callable(rotation) else rotation, dtype=float)
+    given = rotation(x) if callable(rotation) else rotation
+    value = floats("rotation", given, "an angle or an orthogonal matrix (3, 3)")
     if value.ndim < 2:
         angle = evaluate("rotation", value, x)
         matrix = np.zeros((len(angle), 3, 3))

@@ -18,7 +18,7 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import compat
-from .errors import finite, one_of
+from .errors import finite, floats, one_of, whole
 from .isometry import Isometry, reflection, translation
 from .trace import facet_corners, facet_entities
 
@@ -68,7 +68,7 @@ class Mesh:
 
     def facets(self, surface: str) -> NDArray[np.int32]:
         """The facet indices of a named surface; a name that is not there is refused with the list of those that are."""
-        if surface not in self.surfaces:
+        if not isinstance(surface, str) or surface not in self.surfaces:
             known = _listed(list(self.surfaces))
             raise ValueError(f"surface = {surface!r}: the mesh has no surface of that name (it has {known})")
         return self.surfaces[surface]
@@ -113,7 +113,7 @@ class Mesh:
 
     def moved(self, offset: Sequence[float]) -> Mesh:
         """A copy of the mesh, moved by `offset` (dim,). It has the same cells, facets and named surfaces."""
-        by = np.asarray(offset, dtype=float)
+        by = floats("offset", offset, f"{self.dim} finite numbers")
         if by.shape != (self.dim,) or not np.all(np.isfinite(by)):
             raise ValueError(f"offset = {offset!r}: expected {self.dim} finite numbers")
         return self._copy(translation(by), f"offset = {offset!r}")
@@ -191,6 +191,8 @@ def box(
 
 def from_dolfinx(domain: dmesh.Mesh, **markers: Marker) -> Mesh:
     """A mesh made with dolfinx, its surfaces given as functions x (3, points) -> bool of boundary facets."""
+    if not isinstance(domain, dmesh.Mesh):
+        raise TypeError(f"domain = {domain!r}: expected a dolfinx mesh")
     return Mesh(domain, _mark(domain, markers))
 
 
@@ -287,10 +289,12 @@ def _grid(
     lower: Sequence[float], upper: Sequence[float], cells: Sequence[Cells], dim: int
 ) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
     """The two corners of a structured mesh, and along each axis the coordinates at which its cells end."""
-    low, high = np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
-    if low.shape != (dim,) or high.shape != (dim,) or not np.all(high > low):
-        raise ValueError(f"corners {lower!r}, {upper!r}: expected two points of {dim} coordinates, the second larger")
-    if len(cells) != dim:
+    low, high = (floats("corner", corner, f"a point of {dim} finite coordinates") for corner in (lower, upper))
+    if low.shape != (dim,) or high.shape != (dim,) or not np.all((-np.inf < low) & (low < high) & (high < np.inf)):
+        raise ValueError(
+            f"corners {lower!r}, {upper!r}: expected two points of {dim} finite coordinates, the second larger"
+        )
+    if not isinstance(cells, list | tuple | np.ndarray) or len(cells) != dim:
         raise ValueError(f"cells = {cells!r}: expected {dim} entries")
     return [low, high], [_line(*ends, count) for *ends, count in zip(low, high, cells, strict=True)]
 
@@ -298,10 +302,10 @@ def _grid(
 def _line(start: float, end: float, cells: Cells) -> NDArray[np.float64]:
     """Where the cells along one axis end."""
     if np.ndim(cells) == 0:
-        if int(cells) != cells or cells < 1:
-            raise ValueError(f"cells = {cells!r}: expected a whole number >= 1, or the coordinates of the cells' ends")
-        return np.linspace(start, end, int(cells) + 1)
-    line, tolerance = np.asarray(cells, dtype=float), 1e-10 * (end - start)
+        count = whole("cells", cells, "a whole number >= 1, or the coordinates of the cells' ends")
+        return np.linspace(start, end, count + 1)
+    line = floats("cells", cells, f"increasing coordinates from {start} to {end}")
+    tolerance = 1e-10 * (end - start)
     if (
         line.ndim != 1
         or len(line) < 2
@@ -356,7 +360,23 @@ def _sides(
 def _mark(domain: dmesh.Mesh, markers: Mapping[str, Marker]) -> dict[str, NDArray[np.int32]]:
     dim = domain.topology.dim
     domain.topology.create_connectivity(dim - 1, dim)
-    return {name: np.sort(dmesh.locate_entities_boundary(domain, dim - 1, marker)) for name, marker in markers.items()}
+    checked = {name: _checked(name, marker) for name, marker in markers.items()}
+    return {name: np.sort(dmesh.locate_entities_boundary(domain, dim - 1, marker)) for name, marker in checked.items()}
+
+
+def _checked(name: str, marker: Marker) -> Marker:
+    """A marker whose answer is looked at before dolfinx gets it, which would say little of what is wrong."""
+    if not callable(marker):
+        raise TypeError(f"{name} = {marker!r}: expected a function x (3, points) -> bool")
+
+    def checked(x: NDArray[np.float64]) -> NDArray[np.bool_]:
+        where = np.asarray(marker(x))
+        if where.shape != x.shape[1:] or where.dtype.kind not in "biu":
+            found = f"{where.dtype} of shape {where.shape}"
+            raise ValueError(f"{name}: the function returned {found}; expected bool of shape {x.shape[1:]}")
+        return where.astype(bool)
+
+    return checked
 
 
 def _check_cells(domain: dmesh.Mesh) -> None:

@@ -95,6 +95,9 @@ class Multigrid:
 
     def __init__(self, problem: Subproblem, matrix: scipy.sparse.csr_matrix) -> None:
         self._basis, dim = problem.space.basis, problem.body.mesh.dim
+        self._nothing_to_do = problem.size == 0  # all is held: GAMG would get a matrix of zeros, and crash
+        if self._nothing_to_do:
+            return
         outside = scipy.sparse.eye(self._basis.shape[0], format="csr") - self._basis @ self._basis.T
         full = (self._basis @ matrix @ self._basis.T + problem.rigid.largest * outside).tocsr()
         full.sort_indices()
@@ -112,6 +115,8 @@ class Multigrid:
         self._rhs, self._solution = self._matrix.createVecs()
 
     def cycle(self, forces: Floats) -> Floats:
+        if self._nothing_to_do:
+            return np.zeros_like(forces)
         self._rhs.array[:] = self._basis @ forces
         self._pc.apply(self._rhs, self._solution)
         return self._basis.T @ self._solution.array

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .errors import floats
+
 Floats = NDArray[np.float64]
 
 
@@ -32,7 +34,7 @@ class Parameter:
 
     @value.setter
     def value(self, value: ArrayLike) -> None:
-        array = np.array(value, dtype=float)
+        array = floats("value", value, "finite numbers").copy()
         if not np.all(np.isfinite(array)):
             raise ValueError(f"value = {value!r}: expected finite numbers")
         array.setflags(write=False)  # an entry changed in place would pass unnoticed

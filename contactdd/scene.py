@@ -40,6 +40,8 @@ class Scene:
     def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact], comm: MPI.Comm = MPI.COMM_SELF) -> None:
         self.bodies = tuple_of("bodies", bodies, Body)
         self.contacts = tuple_of("contacts", contacts, Contact)
+        if not isinstance(comm, MPI.Comm):
+            raise TypeError(f"comm = {comm!r}: expected an MPI communicator, such as MPI.COMM_WORLD")
         self._check()
         # One rank alone need not weigh them.
         self.ranks = Ranks(comm, [body.dofs if comm.size > 1 else 0.0 for body in self.bodies])

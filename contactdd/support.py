@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .admissible import AdmissibleSpace
 from .errors import one_of, positive
-from .field import Field, coefficient, evaluate
+from .field import Field, coefficient, evaluate, refuse_no_field
 from .material import Number
 from .parameter import fixed_number
 from .trace import surface_points
@@ -67,6 +67,13 @@ class Displacement:
 
     surface: str
     values: Sequence[Field | None]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.values, list | tuple | np.ndarray):
+            raise TypeError(f"values = {self.values!r}: expected a list, one entry per coordinate (None where free)")
+        for value in self.values:
+            if value is not None:
+                refuse_no_field("displacement", value)
 
     def conditions(self, body: Body) -> Iterator[Condition]:
         if len(self.values) != body.mesh.dim:
@@ -146,7 +153,9 @@ def admissible_space(body: Body) -> AdmissibleSpace:
             values = values * np.sign(direction[axis])
             again = fixed[where, axis]
             if np.any(again):
-                _refuse_conflict(body, again & (np.abs(offset[where, axis] - values) > 1e-12 * np.ptp(values)))
+                # Functions differ by the rounding of their values elsewhere too, where they cross zero here.
+                largest = max(np.abs(values).max(), np.abs(offset[:, axis]).max())
+                _refuse_conflict(body, again & (np.abs(offset[where, axis] - values) > 1e-12 * largest))
             fixed[where, axis], offset[where, axis] = True, values
         else:
             for node, value in zip(where, values, strict=True):

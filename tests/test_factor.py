@@ -32,3 +32,19 @@ def test_schur_complement(floating, count):
         # To rounding: the inner block's condition is below a thousand.
         assert np.abs(factor.complement - expected).max() < 1e-11 * np.abs(dense).max()
         assert factor.solve(np.ones(n))[inner] == pytest.approx(np.linalg.solve(block, np.ones(count)), rel=1e-10)
+
+
+def test_nothing_kept():
+    """Supports may hold all that the contacts of a body touch."""
+    matrix = sp.csr_matrix(np.diag([2.0, 3.0, 4.0]) + 0.5 * np.ones((3, 3)))
+    factor = Factor(matrix.copy(), schur=np.zeros(0, dtype=np.intp))
+    assert factor.complement.shape == (0, 0)
+    assert factor.solve(np.ones(3)) == pytest.approx(np.linalg.solve(matrix.toarray(), np.ones(3)), rel=1e-14)
+
+
+def test_no_unknowns_at_all():
+    empty = sp.csr_matrix((0, 0))
+    for factor in (Factor(empty), Factor(empty, schur=np.zeros(0, dtype=np.intp))):
+        factor.update(np.zeros(0))
+        assert factor.solve(np.zeros(0)).shape == (0,)
+        assert factor.complement.shape == (0, 0)

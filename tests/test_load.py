@@ -12,6 +12,7 @@ from mpi4py import MPI
 from scipy.optimize import brentq
 
 import contactdd as cd
+from contactdd.support import admissible_space
 
 STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)
@@ -195,9 +196,102 @@ def test_prescribed_displacement_presses_the_blocks_together():
         (lambda: solved(scene([cd.Pressure("top", np.nan)])), ValueError, "pressure = nan"),
         (lambda: solved(scene([cd.Pressure("top", lambda x: x[0] * np.nan)])), ValueError, "pressure: not finite at x"),
         (lambda: solved(scene([cd.Traction("top", (1, 2, 3))])), ValueError, r"traction = .* shape \(2,\)"),
-        (lambda: solved(scene([cd.BodyForce(cd.Parameter(1.0))])), ValueError, r"body force = 1.0: .* shape \(2,\)"),
+        (
+            lambda: solved(scene([cd.BodyForce(cd.Parameter(1.0))])),
+            ValueError,
+            "body force = .*: expected 2 or 3",
+        ),
     ],
 )
 def test_wrong_loads_and_springs_are_refused_by_name(make, error, message):
     with pytest.raises(error, match=message):
         make()
+
+
+#: Supports that hold a block's whole contact surface "top": a rigid foundation.
+FOUNDATIONS = {
+    "top fixed": [cd.Fixed("top", "bottom")],
+    "top does not sink": [cd.Displacement("top", (None, 0.0)), cd.Fixed("bottom")],
+    "all fixed": [cd.Fixed("left", "right", "bottom", "top")],
+}
+
+
+def on_a_foundation(supports, degree=1):
+    """A grooved block pressed with Q · WIDTH onto one whose contact surface cannot move."""
+
+    def groove(x):
+        return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
+
+    return scene([cd.Pressure("top", Q)], supports, degree=degree, gap=groove)
+
+
+@pytest.mark.parametrize(
+    ("local_solver", "method"),
+    [
+        ("condensed", "auto"),
+        ("condensed", "newton-chord"),
+        ("assembled", "auto"),
+        ("assembled", "chord"),
+        ("assembled", "newton-krylov"),
+    ],
+)
+@pytest.mark.parametrize("foundation", FOUNDATIONS)
+def test_rigid_foundation(foundation, local_solver, method):
+    solution = cd.solve(on_a_foundation(FOUNDATIONS[foundation]), method, local_solver=local_solver)
+    assert solution.contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
+
+
+@pytest.mark.parametrize("degree", [3, 5])
+def test_rigid_foundation_of_higher_degree(degree):
+    solution = cd.solve(on_a_foundation(FOUNDATIONS["top fixed"], degree), local_solver="condensed")
+    assert solution.contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
+
+
+@pytest.mark.parametrize("method", ["auto", "chord", "newton-krylov"])
+def test_multigrid_of_a_body_without_unknowns(method):
+    solution = cd.solve(on_a_foundation(FOUNDATIONS["all fixed"]), method, local_solver="multigrid")
+    assert solution.contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
+
+
+def test_multigrid_of_a_held_body_under_one_that_floats():
+    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (1, 1)), STEEL, supports=[cd.Fixed("bottom", "top")])
+    sides = [cd.Symmetry("left", "right")]
+    load = [cd.Pressure("top", Q)]
+    upper = cd.Body("upper", cd.rectangle((0, 1), (4, 2), (4, 2)), STEEL, supports=sides, loads=load)
+    pressed = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER)])
+    for method in ("auto", "chord"):
+        force = cd.solve(pressed, method, local_solver="multigrid").contact().force
+        assert force == pytest.approx(4 * Q, rel=EXACT)
+
+
+@pytest.mark.parametrize(
+    "right",
+    [
+        cd.Displacement("right", (0.0, lambda x: -1e-3 * (x[1] - HEIGHT) * 0.3 / HEIGHT)),
+        cd.Displacement("right", (0.0, lambda x: 3e-4 * (x[1] - 2 * HEIGHT) - 1e-3 * 0.1 * 3)),
+        cd.Displacement("right", (0.0, -1e-3 * 0.1 * 3)),
+    ],
+)
+@pytest.mark.parametrize("order", [1, -1])
+def test_supports_that_agree_to_rounding_are_no_conflict(right, order):
+    lower = cd.Body("lower", cd.rectangle((0, 0), (WIDTH, HEIGHT), (3, 2)), STEEL, supports=[cd.Fixed("bottom")])
+    supports = [right, cd.Displacement("top", (None, -3e-4))][::order]
+    mesh = cd.rectangle((0, HEIGHT), (WIDTH, 2 * HEIGHT), (3, 2))
+    upper = cd.Body("upper", mesh, STEEL, supports=supports)
+    pushed = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER)])
+    assert cd.solve(pushed).contact().force > 0.0
+
+
+def test_supports_that_cross_zero_where_they_meet_are_no_conflict():
+    rounding = 1e-21
+    bent = cd.Displacement("top", (None, lambda x: 1e-4 * (x[0] / WIDTH - 1.0) + rounding))
+    for supports in ([bent, cd.Displacement("right", (None, 0.0))], [cd.Displacement("right", (None, 0.0)), bent]):
+        upper = cd.Body("upper", cd.rectangle((0, 2), (WIDTH, 4), (3, 2)), STEEL, supports=supports)
+        assert admissible_space(upper).offset.min() < 0.0
+
+
+def test_small_differences_of_supports_are_still_a_conflict():
+    supports = [cd.Displacement("right", (0.0, -3.00000001e-4)), cd.Displacement("top", (None, -3e-4))]
+    body = cd.Body("upper", cd.rectangle((0, 0), (WIDTH, 2), (3, 2)), STEEL, supports=supports)
+    with pytest.raises(ValueError, match="prescribe different displacements"):
+        admissible_space(body)

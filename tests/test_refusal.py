@@ -157,3 +157,78 @@ def test_vertex_rule_on_quadratic_elements():
     scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER, quadrature="vertex")])
     with pytest.raises(ValueError, match="vertex"):
         _ = scene.interfaces
+
+
+def scene(comm):
+    lower, upper, contact = pair()
+    return cd.Scene([lower, upper], [contact], comm=comm)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: cd.Body("a", square(), STEEL, degree=None), "degree = None: expected a whole number"),
+        (lambda: cd.Body("a", square(), STEEL, degree=np.nan), "degree = nan: expected a whole number"),
+        (lambda: cd.Body("a", square(), STEEL, degree=np.inf), "degree = inf: expected a whole number"),
+        (lambda: cd.Body("a", square(), STEEL, degree=[1]), r"degree = \[1\]: expected a whole number"),
+        (lambda: cd.Body("a", square(), STEEL, degree="2"), "degree = '2': expected a whole number"),
+        (lambda: cd.rectangle((0, 0), (1, 1), 4), "cells = 4: expected 2 entries"),
+        (lambda: cd.rectangle((0, 0), (1, 1), None), "cells = None: expected 2 entries"),
+        (lambda: cd.rectangle((0, 0), (1, 1), "ab"), "cells = 'ab': expected 2 entries"),
+        (lambda: cd.rectangle((0, 0), (1, 1), (np.nan, 2)), "cells = nan: expected a whole number"),
+        (lambda: cd.rectangle((0, 0), (1, 1), (np.inf, 2)), "cells = inf: expected a whole number"),
+        (lambda: cd.box((0, 0, 0), (1, 1, 1), (None, 2, 2)), "cells = None: expected a whole number"),
+        (lambda: cd.rectangle((0, 0), (1, 1), ([0, "a", 1], 2)), "cells = .*expected increasing coordinates"),
+        (lambda: cd.rectangle("ab", (1, 1), (2, 2)), "corner = 'ab': expected a point of 2 finite coordinates"),
+        (lambda: cd.rectangle((-np.inf, 0), (1, 1), (2, 2)), "corners .*expected two points"),
+        (lambda: pair(quadrature_degree="a"), "quadrature_degree = 'a': expected a whole number"),
+        (lambda: pair(quadrature_degree=1.5), "quadrature_degree = 1.5: expected a whole number"),
+        (lambda: pair(gap="x"), "gap = 'x': expected a finite number"),
+        (lambda: pair(gap=None), "gap = None: expected a finite number"),
+        (lambda: pair(gap=[1, 2]), r"gap = \[1, 2\]: expected a finite number"),
+        (lambda: pair(gap=cd.Parameter([0.0, 0.0])), r"gap = Parameter\(.*expected a finite number"),
+        (lambda: pair(name=5), "name = 5: expected a text"),
+        (lambda: cd.Pressure("top", "10"), "pressure = '10': expected a finite number"),
+        (lambda: cd.Pressure("top", None), "pressure = None: expected a finite number"),
+        (lambda: cd.Pressure("top", 1j), "pressure = 1j: expected a finite number"),
+        (lambda: cd.Pressure("top", cd.Parameter([0, 0])), r"pressure = Parameter\(.*expected a finite number"),
+        (lambda: cd.Traction("top", 1.0), "traction = 1.0: expected 2 or 3 finite numbers"),
+        (lambda: cd.BodyForce("ab"), "body force = 'ab': expected 2 or 3 finite numbers"),
+        (lambda: cd.Resultant("top", "ab"), "force = 'ab': expected 2 or 3 finite numbers"),
+        (lambda: cd.Body("a", square(), STEEL, loads=[cd.Pressure(None, 1.0)]), "surface = None: .*'bottom', 'left'"),
+        (lambda: cd.Body("a", square(), STEEL, supports=[cd.Fixed(["top"])]), r"surface = \['top'\]: the mesh has no"),
+        (lambda: cd.Displacement("left", 0.0), "values = 0.0: expected a list, one entry per coordinate"),
+        (lambda: cd.Displacement("left", cd.Parameter([0, 0])), r"values = Parameter\(.*expected a list, one entry"),
+        (lambda: cd.Displacement("left", ("a", None)), "displacement = 'a': expected a finite number"),
+        (lambda: cd.Displacement("left", ([1, 2], None)), r"displacement = \[1, 2\]: expected a finite number"),
+        (lambda: cd.Parameter("a"), "value = 'a': expected finite numbers"),
+        (lambda: cd.Parameter([[1], [1, 2]]), "value = .*expected finite numbers"),
+        (lambda: square().moved("ab"), "offset = 'ab': expected 2 finite numbers"),
+        (lambda: STEEL.rotated("a"), "rotation = 'a': expected an angle or an orthogonal matrix"),
+        (lambda: cd.Anisotropic("a"), "C = 'a': expected a matrix"),
+        (lambda: cd.from_dolfinx(5), "domain = 5: expected a dolfinx mesh"),
+        (lambda: scene(comm=None), "comm = None: expected an MPI communicator"),
+        (lambda: square().with_surfaces(lid=5), "lid = 5: expected a function"),
+        (lambda: square().with_surfaces(lid=lambda x: None), r"lid: the function returned object of shape \(\)"),
+        (lambda: square().with_surfaces(lid=lambda x: x[0]), "lid: the function returned float64.*expected bool"),
+        (lambda: square().with_surfaces(lid=lambda x: True), r"lid: the function returned bool of shape \(\)"),
+    ],
+)
+def test_what_is_no_such_thing_at_all(make, message):
+    with pytest.raises((TypeError, ValueError), match=message):
+        make()
+
+
+@pytest.mark.parametrize("wrong", [lambda x: "a", lambda x: None])
+def test_a_gap_function_that_returns_no_numbers(wrong):
+    lower, upper, contact = pair(gap=wrong)
+    with pytest.raises((TypeError, ValueError), match="gap"):
+        _ = cd.Scene([lower, upper], [contact]).interfaces
+
+
+def test_whole_numbers_and_masks_of_numpy_are_taken():
+    mesh = cd.rectangle((0, 0), (1, 1), np.array([2, 3])).with_surfaces(half=lambda x: (x[0] < 0.6).astype(int))
+    assert len(mesh.facets("half")) == 5
+    assert cd.Body("a", mesh, STEEL, degree=np.int64(2)).degree == 2
+    assert cd.Body("a", mesh, STEEL, degree=2.0).degree == 2
+    assert pair(gap=np.float32(0.5))[2].gap == 0.5
