@@ -24,7 +24,8 @@ def floating_stack() -> cd.Scene:
     def gap(x):
         return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
 
-    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER, gap=gap, quadrature_degree=1)])
+    contact = cd.Contact((lower, "top"), (upper, "bottom"), LAYER, gap=gap, quadrature_degree=1)
+    return cd.Scene([lower, upper], [contact])
 
 
 def test_a_floating_stack_has_one_gap_at_other_points_too():
