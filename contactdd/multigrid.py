@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from .rigid import pivots
-from .subproblem import Port, Subproblem
+from .subproblem import Port, Solver, Subproblem
 
 Floats = NDArray[np.float64]
 
@@ -40,15 +40,19 @@ class MultigridSubproblem(Subproblem):
         for port in self.ports:
             own = port.side.transfer @ (normal_displacement[port.interface] * stiff[port.interface])
             rhs += port.robin_trace.T @ (port.side.surface.weights * own)
-        return self._solve(stiff, rhs, np.zeros(0, dtype=np.intp))
+        return self._solver(stiff, np.zeros(0, dtype=np.intp))(rhs)
 
-    def solve_held(self, phi: Mapping[int, Floats], forces: Floats) -> Floats:
+    def held(self, phi: Mapping[int, Floats]) -> Solver:
         """One multigrid cycle: symmetric and linear, as a preconditioner has to be."""
         self._set_up(phi)
-        return self._multigrid.cycle(forces)
+        return self._multigrid.cycle
 
-    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
+    def _solver(self, phi: Mapping[int, Floats], ground: NDArray[np.intp]) -> Solver:
         self._set_up(phi)
+        return lambda forces: self._iterate(phi, forces, ground)
+
+    def _iterate(self, phi: Mapping[int, Floats], forces: Floats, ground: NDArray[np.intp]) -> Floats:
+        """(A + Φ)⁻¹ times forces with these unknowns held, by conjugate gradients."""
         held = np.zeros(self.size)
         held[ground] = self.rigid.largest
         terms = [(port.robin_trace, self._weights(port, phi)) for port in self.ports]
@@ -59,7 +63,7 @@ class MultigridSubproblem(Subproblem):
         shape = (self.size, self.size)
         solution, failed = scipy.sparse.linalg.cg(
             scipy.sparse.linalg.LinearOperator(shape, apply, dtype=float),
-            residual,
+            forces,
             rtol=self.ACCURACY,
             maxiter=2000,
             M=scipy.sparse.linalg.LinearOperator(shape, self._multigrid.cycle, dtype=float),

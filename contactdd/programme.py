@@ -25,7 +25,7 @@ class Path:
 
     values: the parameter's values that were solved for; solutions: one for each, unless they were not to be kept;
     records: {name: array (steps, ...)} of what was recorded at each; status: "converged", or that of the step that
-    failed ("stalled", "diverged", ...); reason: in words; failed: the last state of that step.
+    failed or was stopped ("stalled", "stopped", ...); reason: in words; failed: the last state of that step.
     """
 
     values: list[Any] = field(default_factory=list)
@@ -73,6 +73,8 @@ def programme(
     solutions too; on_failure: "raise" StepFailedError when a step does not converge, or "return" the path so far with
     its status; start: of the first step; solve_options: of every `solve`. Afterwards the parameter has its last value.
 
+    A step that a callback or the time limit stops has not converged either: it ends the programme, "stopped".
+
         q = cd.Parameter(0.0)
         ... cd.Pressure("top", q) ...
         path = cd.programme(scene, q, [1, 2, 5, 10], record={"force": lambda s: s.contact().force}, method="newton")
@@ -108,8 +110,15 @@ def programme(
 def _step(scene: Scene, start: Given | Solution | None, options: Mapping[str, Any]) -> Solution:
     """One step; where the state before leads astray (an open contact holds nothing), the default start has a try."""
     try:
-        return solve(scene, start=start, **options)
+        return _converged(solve(scene, start=start, **options))
     except NotConvergedError as error:
         if error.status != "diverged" or not isinstance(start, Solution):
             raise
-        return solve(scene, **options)
+        return _converged(solve(scene, **options))
+
+
+def _converged(solution: Solution) -> Solution:
+    """The same, refused where it was stopped: `solve` returns that as asked, but it is no step of a path."""
+    if not solution.converged:
+        raise NotConvergedError(solution.status, solution.reason, solution)
+    return solution

@@ -124,11 +124,7 @@ class Solution:
         interface, gaps = self.interfaces[index], self._state.gaps[index]
         if degree is not None:
             interface = _resampled(interface, degree)
-            gaps = interface.gap.copy()
-            for side in interface.sides:
-                part = self._ensemble.parts[side.body]
-                seen = self._ensemble.problems[side.body].seen(self._state.unknowns[part], side.trace)
-                gaps -= side.trace @ self._fields[side.body].displacement if seen is None else seen
+            gaps = interface.gap - self._closed(interface)
         stress = interface.contact.layer.contact_stress(gaps)
         compression = np.minimum(gaps, 0.0)
         return ContactResult(
@@ -268,6 +264,15 @@ class Solution:
             moves.append(rigid.reshape(-1, rigid.shape[-1]) @ (owner.coefficients @ part))
         drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
         return [replace(f, displacement=f.displacement - move @ drift) for f, move in zip(fields, moves, strict=True)]
+
+    def _closed(self, interface: Interface) -> Floats:
+        """u_αn + u_βn at the points of an interface, (points,), from the unknowns alone where they tell it."""
+        problems, unknowns = self._ensemble.problems, self._ensemble.split(self._state.unknowns)
+        seen = [problems[side.body].seen(unknowns[side.body], side.trace) for side in interface.sides]
+        if any(values is None for values in seen):
+            # The fields are settled, the unknowns are not: one side from each would differ by the motion taken out.
+            seen = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
+        return sum(seen)
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""

@@ -16,6 +16,7 @@ from .ensemble import Ensemble
 from .multigrid import MultigridSubproblem
 from .ranks import Ranks
 from .scheme import Scheme
+from .subproblem import Solver
 
 Floats = NDArray[np.float64]
 Phi = Mapping[int, Floats]
@@ -81,9 +82,10 @@ class Krylov:
         coarse = self._coarse_space(phi)
         image = self._ensemble.tangent(phi, coarse)
         inverse = _pseudo_inverse(coarse.T @ image, rigid.largest)
+        held = self._held(phi)
 
         def precondition(vector: Floats) -> Floats:
-            corrections = self._precondition(phi, vector)
+            corrections = self._precondition(held, vector)
             return corrections - idle @ (idle.T @ corrections)
 
         def project(vector: Floats) -> Floats:
@@ -99,11 +101,21 @@ class Krylov:
             self.FORCING,
         )
 
-    def _precondition(self, phi: Phi, vector: Floats) -> Floats:
+    def _held(self, phi: Phi) -> dict[int, Solver]:
+        """(S + Φ)⁻¹ of every body that this rank holds, by its place: factors stay where they are made."""
+        held = {}
+
+        def make(place: int) -> None:
+            held[place] = self._ensemble.problems[place].held(phi)
+
+        self._ranks.each(make)
+        return held
+
+    def _precondition(self, held: Mapping[int, Solver], vector: Floats) -> Floats:
         """(S + Φ)⁻¹ of every body, independently."""
-        problems, forces = self._ensemble.problems, self._ensemble.split(vector)
-        self.body_solves += len(problems)
-        return np.concatenate(self._ranks.each(lambda place: problems[place].solve_held(phi, forces[place])))
+        forces = self._ensemble.split(vector)
+        self.body_solves += len(forces)
+        return np.concatenate(self._ranks.each(lambda place: held[place](forces[place])))
 
     def _coarse_space(self, phi: Phi) -> Floats:
         """Rigid motions and lowest modes, orthonormal, (all unknowns, modes)."""

@@ -8,7 +8,7 @@ displacement and reassembles and refactors its matrix at each step, the plain re
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from .admissible import Operator
 
 Floats = NDArray[np.float64]
+#: From forces (unknowns,) to the unknowns that they cause (unknowns,).
+Solver = Callable[[Floats], Floats]
 #: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
 #: energy, the load on all degrees of freedom, and the rigid motions with their coefficients and springs.
 Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
@@ -187,11 +189,15 @@ class Subproblem:
         LooseBodyError where nothing holds the body.
         """
         ground = self.rigid.ground(phi, residual, scale)
-        return self._solve(phi, residual, ground)
+        return self._solver(phi, ground)(residual)
 
-    def solve_held(self, phi: Mapping[int, Floats], forces: Floats) -> Floats:
-        """(A + Φ)⁻¹ times forces, with any motion held that is free: the body's part of a preconditioner."""
-        return self._solve(phi, forces, pivots(self.rigid.modes @ self.rigid.free(phi)))
+    def held(self, phi: Mapping[int, Floats]) -> Solver:
+        """(A + Φ)⁻¹, with any motion held that is free: the body's part of a preconditioner.
+
+        All that depends on φ alone is done here, once for however many forces. To be used before the body is asked for
+        a solve with another φ.
+        """
+        return self._solver(phi, pivots(self.rigid.modes @ self.rigid.free(phi)))
 
     def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
         """The modes of A v = λ (A + Φ) v with λ < below, (unknowns, modes): none where A is too large to ask."""
@@ -220,7 +226,8 @@ class Subproblem:
         condensed = CondensedSubproblem(self)
         return self.restrict(condensed.displacement(condensed.start(normal_displacement)))
 
-    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
+    def _solver(self, phi: Mapping[int, Floats], ground: NDArray[np.intp]) -> Solver:
+        """(A + Φ)⁻¹ with these unknowns held, factored; an assembled body has room for one factor only."""
         values = self._system_values(phi)
         values[self._diagonal[ground]] += self.rigid.largest
         if self._factor is None:
@@ -229,7 +236,7 @@ class Subproblem:
             self._factor = Factor(matrix)
         else:
             self._factor.update(values)
-        return self._factor.solve(residual)
+        return self._factor.solve
 
     @cached_property
     def _diagonal(self) -> NDArray[np.intp]:
@@ -395,13 +402,13 @@ class CondensedSubproblem(Subproblem):
             matrix.ravel()[places] += weights @ phi[port.interface]
         return matrix
 
-    def _solve(self, phi: Mapping[int, Floats], residual: Floats, ground: NDArray[np.intp]) -> Floats:
+    def _solver(self, phi: Mapping[int, Floats], ground: NDArray[np.intp]) -> Solver:
         matrix = self._system(phi)
         matrix[ground, ground] += self.rigid.largest
-        _, solution, info = scipy.linalg.lapack.dposv(matrix, residual, overwrite_a=True)
+        factor, info = scipy.linalg.lapack.dpotrf(matrix, clean=False, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
-        return solution
+        return lambda forces: scipy.linalg.lapack.dpotrs(factor, forces)[0]
 
 
 class RemoteSubproblem(CondensedSubproblem):

@@ -70,9 +70,7 @@ def predicted_contraction(scene: cd.Scene, gamma: float) -> float:
     ensemble = Ensemble(problems, scene.interfaces)
     unknowns = np.eye(ensemble.size)
     coupled = ensemble.tangent(phi, unknowns)
-    apart = scipy.linalg.block_diag(
-        *(np.column_stack([p.solve_held(phi, column) for column in np.eye(p.size)]) for p in problems)
-    )
+    apart = scipy.linalg.block_diag(*(np.column_stack([*map(p.held(phi), np.eye(p.size))]) for p in problems))
     return float(np.abs(np.linalg.eigvals(unknowns - gamma * apart @ coupled)).max())
 
 

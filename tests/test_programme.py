@@ -163,6 +163,29 @@ def test_a_step_that_fails_keeps_the_steps_before():
     assert len(raised.value.path.solutions) == 2
 
 
+def later_step(parameter, value):
+    """Stops a solve after its first iteration once the parameter has reached a value."""
+    return {"callback": lambda record: parameter.value >= value}
+
+
+@pytest.mark.parametrize(
+    ("stop", "done"), [(lambda q: later_step(q, 10.0), [5.0]), (lambda q: {"time_limit": 1e-9}, [])]
+)
+def test_a_step_that_is_stopped_ends_the_path(stop, done):
+    """Its last state is far from equilibrium and must not pass for the solution at its value."""
+    q = cd.Parameter(1.0)
+    options = {"record": {"f": lambda s: s.contact().force}, **NEWTON, **stop(q)}
+    path = cd.programme(scene(load=q), q, [5.0, 10.0, 20.0], on_failure="return", **options)
+    assert not path.converged
+    assert path.status == "stopped"
+    assert path.reason == f"step {len(done) + 1} of 3, value {q.value}: as asked in iteration 1"
+    assert path.values == done
+    assert path.records["f"] == pytest.approx([4 * load for load in done], rel=1e-9)  # forces balance to the residual
+    assert path.failed.status == "stopped"
+    with pytest.raises(cd.StepFailedError, match=f"stopped: step {len(done) + 1} of 3"):
+        cd.programme(scene(load=q), q, [5.0, 10.0, 20.0], **options)
+
+
 @pytest.mark.parametrize(
     ("make", "error", "message"),
     [
