@@ -403,12 +403,14 @@ class CondensedSubproblem(Subproblem):
         return matrix
 
     def _solver(self, phi: Mapping[int, Floats], ground: NDArray[np.intp]) -> Solver:
+        if self.size == 0:  # supports hold all that the contacts touch, which LAPACK would refuse
+            return np.copy
         matrix = self._system(phi)
         matrix[ground, ground] += self.rigid.largest
-        factor, info = scipy.linalg.lapack.dpotrf(matrix, clean=False, overwrite_a=True)
+        factor, info = scipy.linalg.lapack.dpotrf(matrix.T, lower=True, clean=False, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.body.name!r}: S + Φ is not positive definite")
-        return lambda forces: scipy.linalg.lapack.dpotrs(factor, forces)[0]
+        return lambda forces: scipy.linalg.lapack.dpotrs(factor, forces, lower=True)[0]
 
 
 class RemoteSubproblem(CondensedSubproblem):
@@ -445,11 +447,12 @@ def _touched(problem: Subproblem) -> NDArray[np.intp]:
     all of them held, every unknown of the same nodes: the inside must be a well-posed problem."""
     space = problem.space
     traces = {id(trace): trace for _, side in problem.sides for trace in (side.trace, side.surface.trace)}
-    kept = space.unknowns_at(np.concatenate([trace.indices for trace in traces.values()]))
+    dofs = np.concatenate([trace.indices for trace in traces.values()])
+    kept = space.unknowns_at(dofs)
     if _hold(problem.motions[0][kept]):
         return kept
     dim = problem.body.mesh.dim
-    nodes = np.unique(space.basis[:, kept].nonzero()[0]) // dim
+    nodes = np.unique(dofs // dim)  # also those at which a support holds all that the contact would touch
     return space.unknowns_at((nodes[:, None] * dim + np.arange(dim)).ravel())
 
 

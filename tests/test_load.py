@@ -230,6 +230,8 @@ def on_a_foundation(supports, degree=1):
     [
         ("condensed", "auto"),
         ("condensed", "newton-chord"),
+        ("condensed", "chord"),
+        ("condensed", "newton-krylov"),
         ("assembled", "auto"),
         ("assembled", "chord"),
         ("assembled", "newton-krylov"),
@@ -239,6 +241,17 @@ def on_a_foundation(supports, degree=1):
 def test_rigid_foundation(foundation, local_solver, method):
     solution = cd.solve(on_a_foundation(FOUNDATIONS[foundation]), method, local_solver=local_solver)
     assert solution.contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
+
+
+@pytest.mark.parametrize("local_solver", ["condensed", "assembled"])
+@pytest.mark.parametrize("method", ["auto", "chord"])
+def test_rigid_foundation_that_may_slide(method, local_solver):
+    """Nothing holds it along its surface, and no kept unknown does either."""
+    held = [cd.Displacement("top", (None, 0.0))]
+    lower = cd.Body("lower", cd.rectangle((0, 0), (WIDTH, HEIGHT), (3, 2)), STEEL, supports=held)
+    pressed = on_a_foundation([]).bodies[1]
+    on = cd.Scene([lower, pressed], [cd.Contact((lower, "top"), (pressed, "bottom"), LAYER)])
+    assert cd.solve(on, method, local_solver=local_solver).contact().force == pytest.approx(Q * WIDTH, rel=EXACT)
 
 
 @pytest.mark.parametrize("degree", [3, 5])
