@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 import contactdd as cd
+from contactdd import coupled
 from contactdd import ensemble as ensembles
 from contactdd.coupled import CoupledSystem
 from contactdd.ensemble import Ensemble
 from contactdd.errors import LooseBodyError
 from contactdd.line_search import minimise_along
 from contactdd.rigid import pivots
+from contactdd.subproblem import product_map
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 
@@ -39,6 +43,7 @@ def test_ways_of_assembly(way, monkeypatch):
     """The correction solves the system that `tangent` multiplies with, however the contact's term is found."""
     if way == "sparse product":
         monkeypatch.setattr(ensembles, "LARGEST_PRODUCT", 0)
+        monkeypatch.setattr(ensembles, "PRODUCTS_PER_ENTRY", 0)
     if way == "sparse factor":
         monkeypatch.setattr(ensembles, "LARGEST_DENSE", 0)
     scene = stack([cd.Fixed("bottom")], [cd.Symmetry("left")])
@@ -52,6 +57,49 @@ def test_ways_of_assembly(way, monkeypatch):
         found = system.correct(phi, residual, 1.0)
         assert ensemble.tangent(phi, found) == pytest.approx(residual, abs=1e-9)
         phi = {0: phi[0][::-1]}
+
+
+def solids(degree: int, cells: int) -> cd.Scene:
+    """Two cubes with faces inclined to the axes, where a normal displacement has all components of all nodes."""
+    turn = np.linalg.qr(np.array([[3.0, 1.0, 1.0], [-1.0, 3.0, 1.0], [-1.0, -1.0, 3.0]]))[0]
+    meshes = [cd.box((0, 0, z), (1, 1, z + 1), (cells, cells, 1), shape="hexahedron") for z in (0, 1)]
+    for mesh in meshes:
+        mesh.domain.geometry.x[:] = mesh.domain.geometry.x @ turn
+    lower = cd.Body("lower", meshes[0], STEEL, supports=[cd.Fixed("bottom")], degree=degree)
+    upper = cd.Body("upper", meshes[1], STEEL, supports=[cd.Fixed("top")], degree=degree)
+    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e5))])
+
+
+def plates(count: int) -> cd.Scene:
+    """Plane bodies one on the other: many unknowns, four of them at each point."""
+    meshes = [cd.rectangle((0, place), (4, place + 1), (10, 2)) for place in range(count)]
+    bodies = [cd.Body(f"plate {place}", mesh, STEEL, supports=[cd.Fixed("left")]) for place, mesh in enumerate(meshes)]
+    pairs = pairwise(bodies)
+    return cd.Scene(bodies, [cd.Contact((a, "top"), (b, "bottom"), cd.LinearLayer(1e5)) for a, b in pairs])
+
+
+@pytest.mark.parametrize(
+    ("scene", "most"), [(lambda: plates(16), 10_000), (lambda: solids(4, 2), 0), (lambda: solids(3, 3), 0)]
+)
+def test_the_contacts_term_takes_no_more_than_it_should(scene, most, monkeypatch):
+    """Its entries are looked for one by one where they are few, never where finding each costs more than products."""
+    made = []
+
+    def counted(*arguments):
+        made.append(product_map(*arguments))
+        return made[-1]
+
+    monkeypatch.setattr(coupled, "product_map", counted)
+    scene = scene()
+    ensemble = together(scene)
+    assert ensemble.dense
+    assert ensemble.size**2 * len(ensemble.weights) > ensembles.LARGEST_PRODUCT
+    phi = {i: np.full(len(face.weights), 1e5) for i, face in enumerate(scene.interfaces)}
+    residual = np.random.default_rng(1).random(ensemble.size)
+    found = CoupledSystem(ensemble).correct(phi, residual, 1.0)
+    assert ensemble.tangent(phi, found) == pytest.approx(residual, abs=1e-9)  # rounding times a condition of some 1e4
+    assert len(made) == (most > 0)
+    assert sum(entries.nnz for _, entries in made) <= most
 
 
 SUPPORTS = {
