@@ -14,7 +14,7 @@ import numpy as np
 from . import start as starts
 from .checkpoint import Keeper, read
 from .ensemble import Ensemble
-from .errors import NoEquilibriumError, NotConvergedError, finite, one_of, positive
+from .errors import NoEquilibriumError, NotConvergedError, finite, one_of, positive, whole
 from .history import Record
 from .iteration import Rule, Run
 from .progress import Progress
@@ -112,10 +112,9 @@ def solve(
 def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> Rule:
     """The stopping rule, its numbers checked."""
     one_of("criterion", criterion, ("residual", "change"))
-    if finite("max_iterations", most) < 1 or most != int(most):
-        raise ValueError(f"max_iterations = {most!r}: expected a whole number >= 1")
+    most = whole("max_iterations", most)
     # A relaxed method may come closer by a thousandth per iteration and still arrive; Newton's does not creep.
-    return Rule(positive("tolerance", tolerance), criterion, int(most), 250 if scheme.decomposed else 40)
+    return Rule(positive("tolerance", tolerance), criterion, most, 250 if scheme.decomposed else 40)
 
 
 def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
