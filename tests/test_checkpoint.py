@@ -66,7 +66,8 @@ def test_killed_process(scene, tmp_path, ending):
     file = tmp_path / "state.npz"
     code = f"""import sys
 sys.path.insert(0, {str(ROOT / "demos")!r})
-import time, groove, contactdd as cd
+import signal, time, groove, contactdd as cd
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that starts something behind itself has it ignored
 slowly = lambda record: time.sleep(0.1)
 cd.solve(groove.scene("vertex"), "chord", gamma=1e-3, checkpoint={str(file)!r}, checkpoint_every=0.2, callback=slowly)
 """
