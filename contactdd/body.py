@@ -75,6 +75,10 @@ class Body:
         """How many degrees of freedom the displacements have."""
         return self.space.dofmap.index_map.size_local * self.space.dofmap.bs
 
+    def rigid_modes(self) -> Floats:
+        """The rigid motions of the body in all degrees of freedom, (dofs, motions), see `Kinematics.rigid_modes`."""
+        return self.kinematics.rigid_modes(self.space.tabulate_dof_coordinates()).reshape(self.dofs, -1)
+
     @property
     def element(self) -> Any:
         """The Lagrange element of the displacements."""

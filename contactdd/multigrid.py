@@ -108,8 +108,7 @@ class Multigrid:
         arrays = (full.indptr.astype(PETSc.IntType), full.indices.astype(PETSc.IntType), full.data)
         self._matrix = PETSc.Mat().createAIJ(full.shape, bsize=dim, csr=arrays, comm=PETSc.COMM_SELF)
         self._matrix.setOption(PETSc.Mat.Option.SPD, True)
-        modes = problem.body.kinematics.rigid_modes(problem.body.space.tabulate_dof_coordinates())
-        orthonormal = np.linalg.qr(modes.reshape(-1, modes.shape[-1]))[0]
+        orthonormal = np.linalg.qr(problem.body.rigid_modes())[0]
         vectors = [PETSc.Vec().createWithArray(column.copy(), comm=PETSc.COMM_SELF) for column in orthonormal.T]
         self._matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=vectors, comm=PETSc.COMM_SELF))
         self._pc = PETSc.PC().create(PETSc.COMM_SELF)

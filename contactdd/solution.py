@@ -260,8 +260,7 @@ class Solution:
         moves = []
         parts = motions.by_owner(motions.neutral)
         for body, owner, part in zip(self.scene.bodies, motions.owners, parts, strict=True):
-            rigid = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
-            moves.append(rigid.reshape(-1, rigid.shape[-1]) @ (owner.coefficients @ part))
+            moves.append(body.rigid_modes() @ (owner.coefficients @ part))
         drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
         return [replace(f, displacement=f.displacement - move @ drift) for f, move in zip(fields, moves, strict=True)]
 

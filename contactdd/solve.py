@@ -152,8 +152,8 @@ def _check_start(start: starts.Given | Solution | None, previous: starts.Given |
     """Refuse what no run can start from."""
     if start is None and previous is not None:
         raise ValueError(f"previous = {previous!r}: expected a start to go with it")
-    for name, value in (("start", start), ("previous", previous)):
-        if value is not None and not callable(value) and not isinstance(value, Solution):
+    for name, value in (("start", None if isinstance(start, Solution) else start), ("previous", previous)):
+        if value is not None and not callable(value):
             finite(name, value)
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import finite
 from .field import evaluate
 
 if TYPE_CHECKING:
@@ -109,7 +108,7 @@ def closed(ensemble: Ensemble) -> State:
 
 def _at_points(name: str, value: Given, interface: Interface) -> Floats:
     """A number or a function of the coordinates x (dim, n) at the points of an interface."""
-    return evaluate(name, value if callable(value) else finite(name, value), interface.x.T)
+    return evaluate(name, value, interface.x.T)
 
 
 def _compressions(ensemble: Ensemble) -> list[float]:
@@ -127,11 +126,10 @@ def _mean_contact_stress(ensemble: Ensemble, problem: Subproblem) -> float:
 
 def _carried(problem: Subproblem) -> Floats:
     """The unknowns of a body that what is prescribed on it carries along, as far as it can, as if it were rigid."""
-    space, body = problem.space, problem.body
+    space = problem.space
     if not space.has_offset:
         return np.zeros(problem.size)
-    modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
-    modes = modes.reshape(-1, modes.shape[-1])
+    modes = problem.body.rigid_modes()
     *prevented, prescribed = space.prevented(np.column_stack([modes, space.offset])).T
     return problem.restrict(modes @ np.linalg.lstsq(np.transpose(prevented), prescribed, rcond=1e-10)[0])
 

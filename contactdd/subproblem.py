@@ -92,8 +92,7 @@ class Subproblem:
             return
         self.space = admissible_space(body)
         self.matrices = Matrices(body, self.space)
-        modes = body.kinematics.rigid_modes(body.space.tabulate_dof_coordinates())
-        self.motions = allowed_motions(modes.reshape(-1, modes.shape[-1]), self.space)
+        self.motions = allowed_motions(body.rigid_modes(), self.space)
         self._set_loads()
 
     def _set_as_copy(self, original: Subproblem, signs: Floats) -> None:
