@@ -10,7 +10,7 @@ from types import ModuleType
 
 __version__ = "0.1.0"
 
-from . import compat  # first: it makes dolfinx importable where that takes a step
+from .base import compat
 from .body import Body
 from .contact import Contact
 from .errors import (

@@ -11,18 +11,16 @@ import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
-from . import compat
-from .errors import tuple_of, whole
+from .base import compat
+from .base.arrays import Floats
+from .base.checks import as_count, as_tuple_of
+from .base.facets import facet_type, surface_points
 from .kinematics import kinematics as find_kinematics
 from .load import Load
 from .material import Material
 from .mesh import Mesh
 from .support import Spring, Support
-from .trace import facet_type, surface_points
-
-Floats = NDArray[np.float64]
 
 
 class Body:
@@ -54,9 +52,9 @@ class Body:
         self.name = name
         self.mesh = mesh
         self.material = material
-        self.supports = tuple_of("supports", supports, Support)
-        self.loads = tuple_of("loads", loads, Load)
-        self.degree = whole("degree", degree)
+        self.supports = as_tuple_of("supports", supports, Support)
+        self.loads = as_tuple_of("loads", loads, Load)
+        self.degree = as_count("degree", degree)
         self.kinematics = find_kinematics(kinematics, mesh.dim)
         self._check_surfaces()
         self._check_radii()

@@ -7,9 +7,9 @@ from copy import copy
 
 import numpy as np
 
+from .base.checks import as_count, check_choice, positive
 from .body import Body
-from .errors import one_of, positive, whole
-from .field import refuse_no_field
+from .field import check_field
 from .layer import Layer
 from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
@@ -47,11 +47,11 @@ class Contact:
                 raise TypeError(f"{side} = {value!r}: expected (body, surface name)")
             if len(value[0].mesh.facets(value[1])) == 0:
                 raise ValueError(f"{side}: surface {value[1]!r} of body {value[0].name!r} has no facets")
-        _refuse_no_layer(layer)
-        refuse_no_field("gap", gap)
+        _check_layer(layer)
+        check_field("gap", gap)
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
-        one_of("quadrature", quadrature, RULES)
+        check_choice("quadrature", quadrature, RULES)
         if quadrature == "vertex" and first[0].kinematics.ring:
             raise ValueError(
                 "quadrature = 'vertex' between bodies of revolution: the vertices alone do not integrate 2πr v; "
@@ -63,7 +63,7 @@ class Contact:
         self.measure_gap = bool(measure_gap)
         self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
-        self.quadrature_degree = None if quadrature_degree is None else whole("quadrature_degree", quadrature_degree)
+        self.quadrature_degree = None if quadrature_degree is None else as_count("quadrature_degree", quadrature_degree)
         self.name = name or f"{first[0].name}–{second[0].name}"
 
     @property
@@ -79,7 +79,7 @@ class Contact:
 
     def with_layer(self, layer: Layer) -> Contact:
         """The same contact with another layer."""
-        _refuse_no_layer(layer)
+        _check_layer(layer)
         other = copy(self)
         other.layer = layer
         return other
@@ -95,6 +95,6 @@ class Contact:
         return f"Contact({self.name!r}: {zones}, {self.layer!r})"
 
 
-def _refuse_no_layer(layer: Layer) -> None:
+def _check_layer(layer: Layer) -> None:
     if not isinstance(layer, Layer):
         raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")

@@ -12,7 +12,7 @@ import ufl
 from dolfinx import fem
 from dolfinx import mesh as dmesh
 
-from .errors import floats
+from .base.checks import as_floats
 from .parameter import Parameter, ParameterField, current
 
 #: What a user may give for a load or a prescribed displacement.
@@ -28,13 +28,13 @@ Field = (
 )
 
 
-def refuse_no_field(name: str, value: Any, vector: bool = False) -> None:
+def check_field(name: str, value: Any, vector: bool = False) -> None:
     """Refuse at once what can be no field of numbers or, with `vector`, of as many numbers as there are coordinates."""
     given = current(value)
     if callable(given) or isinstance(given, ufl.core.expr.Expr):
         return
     expected = ("2 or 3 finite numbers" if vector else "a finite number") + ", or a function of the coordinates"
-    array = floats(name, given, expected)
+    array = as_floats(name, given, expected)
     if array.shape not in (((2,), (3,)) if vector else ((),)) or not np.all(np.isfinite(array)):
         raise ValueError(f"{name} = {value!r}: expected {expected}")
 
@@ -54,7 +54,7 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
         function = fem.Function(fem.functionspace(domain, ("Discontinuous Lagrange", degree, shape)))
         function.interpolate(lambda x: evaluate(name, value, x, shape))
         return function
-    array = floats(name, value, f"finite values of shape {shape}")
+    array = as_floats(name, value, f"finite values of shape {shape}")
     if array.shape != shape or not np.all(np.isfinite(array)):
         raise ValueError(f"{name} = {value!r}: expected finite values of shape {shape}")
     return fem.Constant(domain, array if shape else float(array))
@@ -73,7 +73,7 @@ def inner_element(domain: dmesh.Mesh, degree: int) -> Any:
 def evaluate(name: str, value: Field, x: np.ndarray, shape: tuple[int, ...] = ()) -> np.ndarray:
     """`value` at the points x (dim, n): an array of `shape` + (n,), checked to be finite."""
     value = current(value)
-    array = floats(name, value(x) if callable(value) else value, "numbers")
+    array = as_floats(name, value(x) if callable(value) else value, "numbers")
     if array.shape == shape:
         array = np.broadcast_to(array.reshape((*shape, 1)), (*shape, x.shape[1]))
     if array.shape != (*shape, x.shape[1]):

@@ -14,8 +14,10 @@ import numpy as np
 import ufl
 from numpy.typing import NDArray
 
-from .errors import one_of
+from .base.checks import check_choice
 from .material import PLACE, VOIGT
+
+STRESSES = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 
 @dataclass(frozen=True)
@@ -135,7 +137,7 @@ def kinematics(name: str | None, dim: int) -> Kinematics:
     """The kinematics of that name; by default plane strain in the plane and a solid in space."""
     if name is None:
         name = "plane strain" if dim == 2 else "solid"
-    one_of("kinematics", name, tuple(KINEMATICS))
+    check_choice("kinematics", name, tuple(KINEMATICS))
     kind = KINEMATICS[name]
     if kind.dim != dim:
         raise ValueError(f"kinematics = {name!r}: it needs a mesh of dimension {kind.dim}, not {dim}")

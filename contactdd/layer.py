@@ -16,15 +16,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import scipy  # its parts are imported by their first use
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import positive
+from .base.arrays import Floats
+from .base.checks import positive
 
-__all__ = ["CustomLayer", "Layer", "LinearLayer", "PowerLayer", "TableLayer"]
-
-Array = NDArray[np.float64]
-Function = Callable[[Array], ArrayLike]
+Function = Callable[[Floats], ArrayLike]
 
 
 class Layer(ABC):
@@ -34,48 +32,48 @@ class Layer(ABC):
     """
 
     @abstractmethod
-    def _pressure(self, c: Array) -> Array:
+    def _pressure(self, c: Floats) -> Floats:
         """p(c) = -g(-c)."""
 
     @abstractmethod
-    def _slope(self, c: Array) -> Array:
+    def _slope(self, c: Floats) -> Floats:
         """p'(c) = g'(-c)."""
 
     @abstractmethod
-    def _secant(self, deep: Array, shallow: Array) -> Array:
+    def _secant(self, deep: Floats, shallow: Floats) -> Floats:
         """[p(deep) - p(shallow)] / (deep - shallow) for deep ≥ shallow > 0, and p' where they are equal."""
 
     @abstractmethod
-    def _energy(self, c: Array) -> Array:
+    def _energy(self, c: Floats) -> Floats:
         """The integral of p from 0 to c."""
 
     @abstractmethod
-    def _depth(self, p: Array) -> Array:
+    def _depth(self, p: Floats) -> Floats:
         """The compression c with p(c) = p."""
 
-    def stress(self, w: ArrayLike) -> Array:
+    def stress(self, w: ArrayLike) -> Floats:
         """g(w) for every w (stress)."""
         w = np.asarray(w, dtype=float)
         return np.asarray(np.copysign(self._pressure(np.abs(w)), w))
 
-    def derivative(self, w: ArrayLike) -> Array:
+    def derivative(self, w: ArrayLike) -> Floats:
         """g'(w) of the law itself (stress / length); may be 0 or inf at w = 0."""
         return np.asarray(self._slope(np.abs(np.asarray(w, dtype=float))))
 
-    def contact_stress(self, z: ArrayLike) -> Array:
+    def contact_stress(self, z: ArrayLike) -> Floats:
         """g⁻(z), the contact stress at the gap z: g(z) where z < 0, else 0 (stress, ≤ 0), eq. (14)."""
         z = np.asarray(z, dtype=float)
         return np.asarray(0.0 - self._pressure(np.maximum(-z, 0.0)))  # p(0) = 0; less it, not minus it: no -0
 
-    def contact_derivative(self, z: ArrayLike) -> Array:
+    def contact_derivative(self, z: ArrayLike) -> Floats:
         """χ g'(z), χ = 1 where z < 0, else 0 (stress / length, ≥ 0), eqs (17)-(19)."""
         return self._where_closed(z, self._slope)
 
-    def energy(self, z: ArrayLike) -> Array:
+    def energy(self, z: ArrayLike) -> Floats:
         """The integral of g⁻ from 0 to z, the density of J (stress · length, ≥ 0); 0 where z ≥ 0."""
         return self._where_closed(z, self._energy)
 
-    def divided_difference(self, y: ArrayLike, z: ArrayLike) -> Array:
+    def divided_difference(self, y: ArrayLike, z: ArrayLike) -> Floats:
         """[g⁻(y) - g⁻(z)] / (y - z) of eqs (26), (27), (32), (36) (stress / length, ≥ 0).
 
         Free of cancellation: as y → z it tends to χ g'(z), which is also the value at y = z. Symmetric
@@ -92,7 +90,7 @@ class Layer(ABC):
             quotient[across] = self._pressure(-low[across]) / (high[across] - low[across])
         return quotient
 
-    def compression(self, stress: ArrayLike) -> Array:
+    def compression(self, stress: ArrayLike) -> Floats:
         """The w ≤ 0 with g(w) = stress (length).
 
         Raises ValueError if a stress is positive: a layer carries no tension.
@@ -102,7 +100,7 @@ class Layer(ABC):
             raise ValueError(f"stress = {stress.max():g}: expected stress <= 0 (compression)")
         return np.asarray(-self._depth(np.abs(stress)))
 
-    def _where_closed(self, z: ArrayLike, function: Callable[[Array], Array]) -> Array:
+    def _where_closed(self, z: ArrayLike, function: Callable[[Floats], Floats]) -> Floats:
         """function(-z) where z < 0 or NaN, else 0; open points aren't evaluated, as g'(0) may be infinite."""
         z = np.asarray(z, dtype=float)
         closed = ~(z >= 0)
@@ -130,16 +128,16 @@ class PowerLayer(Layer):
         object.__setattr__(self, "B", positive("B", self.B))
         object.__setattr__(self, "a", positive("a", self.a))
 
-    def _pressure(self, c: Array) -> Array:
+    def _pressure(self, c: Floats) -> Floats:
         return (c / self.B) ** (1 / self.a)
 
-    def _slope(self, c: Array) -> Array:
+    def _slope(self, c: Floats) -> Floats:
         at_zero = math.inf if self.a > 1 else 1 / self.B if self.a == 1 else 0.0
         chord = np.full(np.shape(c), self.a * at_zero)
         np.divide(self._pressure(c), c, out=chord, where=c != 0)
         return chord / self.a
 
-    def _secant(self, deep: Array, shallow: Array) -> Array:
+    def _secant(self, deep: Floats, shallow: Floats) -> Floats:
         # With r = shallow/deep the quotient is p(deep)/deep · (1 - r^(1/a)) / (1 - r). Near r = 1 log r
         # comes from 1 - r, which subtracts without rounding; near r = 0 from r, which 1 - r has forgotten.
         # The least drop that there is, 1e-30, leaves the quotient its limit 1/a at r = 1.
@@ -148,10 +146,10 @@ class PowerLayer(Layer):
             log_ratio = np.where(ratio < 0.5, np.log(ratio), np.log1p(-drop))
         return self._pressure(deep) / deep * (-np.expm1(log_ratio / self.a) / drop)
 
-    def _energy(self, c: Array) -> Array:
+    def _energy(self, c: Floats) -> Floats:
         return self.a / (self.a + 1) * c * self._pressure(c)
 
-    def _depth(self, p: Array) -> Array:
+    def _depth(self, p: Floats) -> Floats:
         return self.B * p**self.a
 
 
@@ -171,19 +169,19 @@ class LinearLayer(Layer):
     def __post_init__(self) -> None:
         object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness))
 
-    def _pressure(self, c: Array) -> Array:
+    def _pressure(self, c: Floats) -> Floats:
         return self.stiffness * c
 
-    def _slope(self, c: Array) -> Array:
+    def _slope(self, c: Floats) -> Floats:
         return np.where(np.isnan(c), c, self.stiffness)
 
-    def _secant(self, deep: Array, shallow: Array) -> Array:
+    def _secant(self, deep: Floats, shallow: Floats) -> Floats:
         return self._slope(deep)
 
-    def _energy(self, c: Array) -> Array:
+    def _energy(self, c: Floats) -> Floats:
         return 0.5 * self.stiffness * c**2
 
-    def _depth(self, p: Array) -> Array:
+    def _depth(self, p: Floats) -> Floats:
         return p / self.stiffness
 
 
@@ -233,16 +231,16 @@ class CustomLayer(Layer):
     def __repr__(self) -> str:
         return f"CustomLayer(name={self.name!r}, compression_range={self.compression_range!r})"
 
-    def _pressure(self, c: Array) -> Array:
+    def _pressure(self, c: Floats) -> Floats:
         return -np.asarray(self._g(-c), dtype=float)
 
-    def _slope(self, c: Array) -> Array:
+    def _slope(self, c: Floats) -> Floats:
         if self._derivative is not None:
             return np.asarray(self._derivative(-c), dtype=float)
         # At c = 0 a relative step has no meaning; the law close by stands in for it.
         return _central_derivative(self._pressure, np.where(c == 0, 1e-10 * self.compression_range, c))
 
-    def _secant(self, deep: Array, shallow: Array) -> Array:
+    def _secant(self, deep: Floats, shallow: Floats) -> Floats:
         p_deep, width = self._pressure(deep), deep - shallow
         rise = p_deep - self._pressure(shallow)
         # Where either difference exceeds a tenth the quotient loses one digit. Elsewhere the law's
@@ -253,17 +251,17 @@ class CustomLayer(Layer):
         quotient[near] = self._slope(points) @ _GAUSS_WEIGHTS
         return quotient
 
-    def _energy(self, c: Array) -> Array:
+    def _energy(self, c: Floats) -> Floats:
         if self._stored is not None:
             return np.asarray(self._stored(-c), dtype=float)
         return _integral_from_zero(self._pressure, c)
 
-    def _depth(self, p: Array) -> Array:
+    def _depth(self, p: Floats) -> Floats:
         if self._inverse is not None:
             return -np.asarray(self._inverse(-p), dtype=float)
         return _solve_increasing(self._pressure, p, np.full(p.shape, _TINY), self._upper_bound(p))
 
-    def _upper_bound(self, p: Array) -> Array:
+    def _upper_bound(self, p: Floats) -> Floats:
         """Compressions where the pressure is at least p: compression_range, doubled while the law rises."""
         upper = np.full(p.shape, self.compression_range)
         short = (reached := self._pressure(upper)) < p
@@ -275,7 +273,7 @@ class CustomLayer(Layer):
             short, reached = further < p, further
         return upper
 
-    def _samples(self) -> Array:
+    def _samples(self) -> Floats:
         return self.compression_range * np.logspace(-10, 0, 301)
 
     def _check_law(self) -> None:
@@ -333,16 +331,16 @@ class TableLayer(Layer):
         object.__setattr__(self, "pressures", tuple(p.tolist()))
         object.__setattr__(self, "_law", _monotone_cubic(c, p))
 
-    def _pressure(self, c: Array) -> Array:
+    def _pressure(self, c: Floats) -> Floats:
         return self._law(c)
 
-    def _slope(self, c: Array) -> Array:
+    def _slope(self, c: Floats) -> Floats:
         return self._law.derivative()(c)
 
-    def _energy(self, c: Array) -> Array:
+    def _energy(self, c: Floats) -> Floats:
         return self._law.antiderivative()(c)
 
-    def _secant(self, deep: Array, shallow: Array) -> Array:
+    def _secant(self, deep: Floats, shallow: Floats) -> Floats:
         # Summed from knot to knot every term is positive, so nothing cancels.
         knots, table = self._law.x, np.asarray(self.pressures)
         first, last = self._piece(shallow), self._piece(deep)
@@ -354,7 +352,7 @@ class TableLayer(Layer):
         rise = start_secant * (end - shallow) + between + end_rise
         return np.divide(rise, deep - shallow, out=start_secant, where=~same)
 
-    def _depth(self, p: Array) -> Array:
+    def _depth(self, p: Floats) -> Floats:
         table, knots = np.asarray(self.pressures), self._law.x
         piece = np.clip(np.searchsorted(table, p, side="right") - 1, 0, table.size - 2)
         lower, upper = np.maximum(knots[piece], _TINY), knots[piece + 1]
@@ -362,18 +360,18 @@ class TableLayer(Layer):
         beyond = knots[-2] + (p - table[-1]) / self._law.c[-2, -1]
         return np.where(p > table[-1], beyond, inside)
 
-    def _piece(self, c: Array) -> NDArray[np.intp]:
+    def _piece(self, c: Floats) -> NDArray[np.intp]:
         """The index of the polynomial piece c lies in."""
         return np.clip(np.searchsorted(self._law.x, c, side="right") - 1, 0, self._law.x.size - 2)
 
-    def _secant_in_piece(self, piece: NDArray[np.intp], s: Array, t: Array) -> Array:
+    def _secant_in_piece(self, piece: NDArray[np.intp], s: Floats, t: Floats) -> Floats:
         """[p(s) - p(t)] / (s - t) for s, t in the same piece, by the cubic's coefficients: no division."""
         s, t = s - self._law.x[piece], t - self._law.x[piece]
         cubic, quadratic, linear = self._law.c[:3, piece]
         return cubic * (s**2 + s * t + t**2) + quadratic * (s + t) + linear
 
 
-def _column(name: str, values: ArrayLike) -> Array:
+def _column(name: str, values: ArrayLike) -> Floats:
     """`values` as a one-dimensional array of finite numbers; ValueError if they aren't."""
     try:
         column = np.asarray(values, dtype=float)
@@ -384,7 +382,7 @@ def _column(name: str, values: ArrayLike) -> Array:
     return column
 
 
-def _with_origin(c: Array, p: Array) -> tuple[Array, Array]:
+def _with_origin(c: Floats, p: Floats) -> tuple[Floats, Floats]:
     """The points of a table that begins with (0, 0); ValueError if too few or not in pairs."""
     if c.size != p.size:
         raise ValueError(f"pressures: {p.size} values, expected {c.size}, one for each of compressions")
@@ -395,7 +393,7 @@ def _with_origin(c: Array, p: Array) -> tuple[Array, Array]:
     return c, p
 
 
-def _monotone_cubic(c: Array, p: Array) -> scipy.interpolate.PPoly:
+def _monotone_cubic(c: Floats, p: Floats) -> scipy.interpolate.PPoly:
     """The C¹ monotone cubic through the points, with a last piece that goes on straight."""
     slopes = scipy.interpolate.PchipInterpolator(c, p).derivative()(c)
     chords = np.diff(p) / np.diff(c)
@@ -406,7 +404,7 @@ def _monotone_cubic(c: Array, p: Array) -> scipy.interpolate.PPoly:
     return scipy.interpolate.PPoly(np.hstack((law.c, straight)), np.append(c, 2 * c[-1]))
 
 
-def _check_agreement(argument: str, given: Array, implied: Array) -> None:
+def _check_agreement(argument: str, given: Floats, implied: Floats) -> None:
     """Raise ValueError unless most of the given values are within 0.1 % of those that g implies.
 
     Most, not all: next to a kink of g the implied derivative is off.
@@ -417,7 +415,7 @@ def _check_agreement(argument: str, given: Array, implied: Array) -> None:
         )
 
 
-def _central_derivative(function: Callable[[Array], Array], c: Array) -> Array:
+def _central_derivative(function: Callable[[Floats], Floats], c: Floats) -> Floats:
     """function'(c) for c > 0, increasing functions, by eighth-order central differences.
 
     The step is 1/64 of the length over which the law changes: c, or less where it steepens towards a
@@ -430,12 +428,12 @@ def _central_derivative(function: Callable[[Array], Array], c: Array) -> Array:
     return np.tensordot([4 / 5, -1 / 5, 4 / 105, -1 / 280], differences, axes=1) / step
 
 
-def _integral_from_zero(function: Callable[[Array], Array], c: Array) -> Array:
+def _integral_from_zero(function: Callable[[Floats], Floats], c: Floats) -> Floats:
     """The integral of function from 0 to c, by tanh-sinh quadrature."""
     return c * (function(c[..., None] * _TANH_SINH_POINTS) @ _TANH_SINH_WEIGHTS)
 
 
-def _solve_increasing(function: Callable[[Array], Array], target: Array, lower: Array, upper: Array) -> Array:
+def _solve_increasing(function: Callable[[Floats], Floats], target: Floats, lower: Floats, upper: Floats) -> Floats:
     """The c in [lower, upper], lower > 0, with function(c) = target, by bisection of log c.
 
     0 where the target is 0, NaN where it is NaN.
@@ -447,7 +445,7 @@ def _solve_increasing(function: Callable[[Array], Array], target: Array, lower: 
     return np.where(target > 0, upper, target)
 
 
-def _tanh_sinh(step: float = 1 / 16, end: float = 3.5) -> tuple[Array, Array]:
+def _tanh_sinh(step: float = 1 / 16, end: float = 3.5) -> tuple[Floats, Floats]:
     """Points and weights on [0, 1] that don't mind a singularity at either end."""
     t = np.arange(-end, end + step / 2, step)
     points = 1 / (1 + np.exp(-np.pi * np.sinh(t)))
@@ -455,5 +453,9 @@ def _tanh_sinh(step: float = 1 / 16, end: float = 3.5) -> tuple[Array, Array]:
 
 
 _TINY = 1e-300
+
+
 _TANH_SINH_POINTS, _TANH_SINH_WEIGHTS = _tanh_sinh()
+
+
 _GAUSS_POINTS, _GAUSS_WEIGHTS = np.array([[0.5], [0.0]]) + 0.5 * np.array(np.polynomial.legendre.leggauss(8))

@@ -12,8 +12,8 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from .errors import floats
-from .field import Field, coefficient, refuse_no_field
+from .base.checks import as_floats
+from .field import Field, check_field, coefficient
 from .parameter import current
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class Pressure:
     value: Field
 
     def __post_init__(self) -> None:
-        refuse_no_field("pressure", self.value)
+        check_field("pressure", self.value)
 
     def form(self, body: Body, v: Any) -> Any:
         p = coefficient("pressure", self.value, body.mesh.domain, (), body.degree + 2)
@@ -43,7 +43,7 @@ class Traction:
     value: Field
 
     def __post_init__(self) -> None:
-        refuse_no_field("traction", self.value, vector=True)
+        check_field("traction", self.value, vector=True)
 
     def form(self, body: Body, v: Any) -> Any:
         p = coefficient("traction", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
@@ -57,7 +57,7 @@ class BodyForce:
     value: Field
 
     def __post_init__(self) -> None:
-        refuse_no_field("body force", self.value, vector=True)
+        check_field("body force", self.value, vector=True)
 
     def form(self, body: Body, v: Any) -> Any:
         f = coefficient("body force", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
@@ -76,7 +76,7 @@ class Resultant:
     force: Field
 
     def __post_init__(self) -> None:
-        floats("force", current(self.force), "2 or 3 finite numbers")
+        as_floats("force", current(self.force), "2 or 3 finite numbers")
 
     def form(self, body: Body, v: Any) -> Any:
         force = current(self.force)

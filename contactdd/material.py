@@ -14,16 +14,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import finite, floats
+from .base.arrays import Floats
+from .base.checks import as_floats, finite
 from .field import evaluate
-from .parameter import fixed_number
+from .parameter import refuse_parameter
 
-Floats = NDArray[np.float64]
 #: A material constant: a number, or a function of the coordinates x (3, points).
 Number = float | Callable[[Floats], Any]
 
+
 #: Voigt's order of the tensor components; shear strains count twice (engineering strains).
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+
+
 #: The place of the component (i, j) in that order.
 PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
@@ -33,7 +36,7 @@ class Material(ABC):
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
-            fixed_number(name, value)
+            refuse_parameter(name, value)
         if not self.varies:
             self.stiffness()
 
@@ -163,7 +166,7 @@ class Anisotropic(Material):
         return values
 
     def _given(self, x: Floats) -> Floats:
-        return floats("C", self.C(x) if callable(self.C) else self.C, "a matrix (6, 6)")
+        return as_floats("C", self.C(x) if callable(self.C) else self.C, "a matrix (6, 6)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -185,7 +188,7 @@ class Rotated(Material):
 def _rotation(rotation: ArrayLike | Callable[[Floats], Any], x: Floats) -> Floats:
     """The matrices of the material axes at points, (points, 3, 3)."""
     given = rotation(x) if callable(rotation) else rotation
-    value = floats("rotation", given, "an angle or an orthogonal matrix (3, 3)")
+    value = as_floats("rotation", given, "an angle or an orthogonal matrix (3, 3)")
     if value.ndim < 2:
         angle = evaluate("rotation", value, x)
         matrix = np.zeros((len(angle), 3, 3))

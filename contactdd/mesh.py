@@ -17,12 +17,14 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-from . import compat
-from .errors import finite, floats, one_of, whole
-from .isometry import Isometry, reflection, translation
-from .trace import facet_corners, facet_entities
+from .base import compat
+from .base.checks import as_count, as_floats, check_choice, finite
+from .base.facets import facet_corners, facet_entities
+from .base.isometry import Isometry, reflection, translation
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
+
+
 #: The cells of a structured mesh along one axis: how many equal ones, or where they end.
 Cells = int | Sequence[float] | NDArray[np.float64]
 
@@ -113,7 +115,7 @@ class Mesh:
 
     def moved(self, offset: Sequence[float]) -> Mesh:
         """A copy of the mesh, moved by `offset` (dim,). It has the same cells, facets and named surfaces."""
-        by = floats("offset", offset, f"{self.dim} finite numbers")
+        by = as_floats("offset", offset, f"{self.dim} finite numbers")
         if by.shape != (self.dim,) or not np.all(np.isfinite(by)):
             raise ValueError(f"offset = {offset!r}: expected {self.dim} finite numbers")
         return self._copy(translation(by), f"offset = {offset!r}")
@@ -124,7 +126,7 @@ class Mesh:
         It has the same cells, facets and named surfaces: what was on the left and is now on the right is still "left".
         """
         axes = ("x", "y", "z")[: self.dim]
-        place = axes.index(one_of("axis", axis, axes))
+        place = axes.index(check_choice("axis", axis, axes))
         return self._copy(reflection(self.dim, place, finite("at", at)), f"at = {at!r}")
 
     def _copy(self, isometry: Isometry, asked: str) -> Mesh:
@@ -167,8 +169,8 @@ def rectangle(
     cells: along x and y, each a number of equal cells or, for a graded mesh, the coordinates of their ends; shape:
     "triangle" (each cell cut in two along `diagonal`: "left", "right" or "crossed") or "quadrilateral".
     """
-    one_of("shape", shape, ("triangle", "quadrilateral"))
-    one_of("diagonal", diagonal, ("left", "right", "crossed"))
+    check_choice("shape", shape, ("triangle", "quadrilateral"))
+    check_choice("diagonal", diagonal, ("left", "right", "crossed"))
     corners, lines = _grid(lower_left, upper_right, cells, 2)
     counts = [len(line) - 1 for line in lines]
     domain = compat.structured(corners, counts, dmesh.CellType[shape], dmesh.DiagonalType[diagonal])
@@ -182,7 +184,7 @@ def box(
 
     cells: along x, y and z, as for a `rectangle`.
     """
-    one_of("shape", shape, ("tetrahedron", "hexahedron"))
+    check_choice("shape", shape, ("tetrahedron", "hexahedron"))
     corners, lines = _grid(lower, upper, cells, 3)
     counts = [len(line) - 1 for line in lines]
     domain = compat.structured(corners, counts, dmesh.CellType[shape], dmesh.DiagonalType.right)
@@ -289,7 +291,7 @@ def _grid(
     lower: Sequence[float], upper: Sequence[float], cells: Sequence[Cells], dim: int
 ) -> tuple[list[NDArray[np.float64]], list[NDArray[np.float64]]]:
     """The two corners of a structured mesh, and along each axis the coordinates at which its cells end."""
-    low, high = (floats("corner", corner, f"a point of {dim} finite coordinates") for corner in (lower, upper))
+    low, high = (as_floats("corner", corner, f"a point of {dim} finite coordinates") for corner in (lower, upper))
     if low.shape != (dim,) or high.shape != (dim,) or not np.all((-np.inf < low) & (low < high) & (high < np.inf)):
         raise ValueError(
             f"corners {lower!r}, {upper!r}: expected two points of {dim} finite coordinates, the second larger"
@@ -302,9 +304,9 @@ def _grid(
 def _line(start: float, end: float, cells: Cells) -> NDArray[np.float64]:
     """Where the cells along one axis end."""
     if np.ndim(cells) == 0:
-        count = whole("cells", cells, "a whole number >= 1, or the coordinates of the cells' ends")
+        count = as_count("cells", cells, "a whole number >= 1, or the coordinates of the cells' ends")
         return np.linspace(start, end, count + 1)
-    line = floats("cells", cells, f"increasing coordinates from {start} to {end}")
+    line = as_floats("cells", cells, f"increasing coordinates from {start} to {end}")
     tolerance = 1e-10 * (end - start)
     if (
         line.ndim != 1

@@ -6,11 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .errors import floats
-
-Floats = NDArray[np.float64]
+from .base.arrays import Floats
+from .base.checks import as_floats
 
 
 class Parameter:
@@ -34,7 +33,7 @@ class Parameter:
 
     @value.setter
     def value(self, value: ArrayLike) -> None:
-        array = floats("value", value, "finite numbers").copy()
+        array = as_floats("value", value, "finite numbers").copy()
         if not np.all(np.isfinite(array)):
             raise ValueError(f"value = {value!r}: expected finite numbers")
         array.setflags(write=False)  # an entry changed in place would pass unnoticed
@@ -77,7 +76,7 @@ def current(value: Any) -> Any:
     return value.frozen() if isinstance(value, ParameterField) else value
 
 
-def fixed_number(name: str, value: Any) -> None:
+def refuse_parameter(name: str, value: Any) -> None:
     """Refuse a parameter where a number enters a stiffness, which is made once."""
     if parameters([value]):
         raise TypeError(f"{name} = {value!r}: a parameter can change loads, displacements and gaps; expected a number")

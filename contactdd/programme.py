@@ -7,16 +7,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from .errors import ContactError, NotConvergedError, one_of
+from .base.arrays import Floats
+from .base.checks import check_choice
+from .errors import ContactError, NotConvergedError
 from .parameter import Parameter
 from .scene import Scene
 from .solution import Solution
 from .solve import solve
-from .start import Given
-
-Floats = NDArray[np.float64]
+from .system.start import Given
 
 
 @dataclass
@@ -79,7 +79,7 @@ def programme(
         ... cd.Pressure("top", q) ...
         path = cd.programme(scene, q, [1, 2, 5, 10], record={"force": lambda s: s.contact().force}, method="newton")
     """
-    one_of("on_failure", on_failure, ("raise", "return"))
+    check_choice("on_failure", on_failure, ("raise", "return"))
     if not isinstance(parameter, Parameter):
         raise TypeError(f"parameter = {parameter!r}: expected a cd.Parameter")
     if not scene.follows(parameter):

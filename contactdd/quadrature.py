@@ -16,7 +16,7 @@ import basix.ufl
 import numpy as np
 from numpy.typing import NDArray
 
-from .errors import one_of, whole
+from .base.checks import as_count, check_choice
 
 RULES = ("facet", "vertex", "gauss")
 
@@ -62,10 +62,10 @@ def rule(name: str, element_degree: int, degree: int | None = None) -> Rule:
 
     The default integrates the product of two displacements exactly, as ∫ φ u_n v_n needs.
     """
-    one_of("quadrature", name, RULES)
+    check_choice("quadrature", name, RULES)
     if name == "vertex" and element_degree > 1:
         raise ValueError(
             f"quadrature = 'vertex' with elements of degree {element_degree}: the vertices alone would spoil their "
             "accuracy; expected 'gauss' or 'facet'"
         )
-    return Rule(name, 2 * element_degree if degree is None else whole("quadrature_degree", degree))
+    return Rule(name, 2 * element_degree if degree is None else as_count("quadrature_degree", degree))

@@ -11,21 +11,21 @@ from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 
+from .base.arrays import Floats
+from .base.checks import as_tuple_of, check_choice
+from .base.ranks import Ranks
 from .body import Body
 from .contact import Contact
-from .copies import originals
-from .errors import one_of, tuple_of
-from .interface import Interface, discretise
+from .interface.discretise import Interface, discretise
 from .layer import Layer
-from .memory import cheapest_solver, refuse_if_too_large
-from .multigrid import MultigridSubproblem
+from .local.assembled import AssembledProblem
+from .local.condensed import CondensedProblem
+from .local.copies import originals
+from .local.memory import cheapest_solver, refuse_if_too_large
+from .local.multigrid import MultigridProblem
+from .local.remote import RemoteProblem
 from .parameter import Parameter, parameters
-from .ranks import Ranks
-from .subproblem import CondensedSubproblem, RemoteSubproblem, Subproblem
-
-Floats = NDArray[np.float64]
 
 LOCAL_SOLVERS = ("auto", "condensed", "assembled", "multigrid")
 
@@ -38,14 +38,14 @@ class Scene:
     """
 
     def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact], comm: MPI.Comm = MPI.COMM_SELF) -> None:
-        self.bodies = tuple_of("bodies", bodies, Body)
-        self.contacts = tuple_of("contacts", contacts, Contact)
+        self.bodies = as_tuple_of("bodies", bodies, Body)
+        self.contacts = as_tuple_of("contacts", contacts, Contact)
         if not isinstance(comm, MPI.Comm):
             raise TypeError(f"comm = {comm!r}: expected an MPI communicator, such as MPI.COMM_WORLD")
         self._check()
         # One rank alone need not weigh them.
         self.ranks = Ranks(comm, [body.dofs if comm.size > 1 else 0.0 for body in self.bodies])
-        self._subproblems: dict[tuple[str, int], Subproblem] = {}
+        self._subproblems: dict[tuple[str, int], AssembledProblem] = {}
         self._read = self._parameter_values()
 
     def __repr__(self) -> str:
@@ -58,12 +58,12 @@ class Scene:
         places = {id(body): place for place, body in enumerate(self.bodies)}
         return [discretise(c, (places[id(c.sides[0][0])], places[id(c.sides[1][0])])) for c in self.contacts]
 
-    def subproblems(self, local_solver: str) -> list[Subproblem]:
+    def subproblems(self, local_solver: str) -> list[AssembledProblem]:
         """Every body's linear problem, in order.
 
         local_solver: "condensed", "assembled", "multigrid", or "auto": condensed unless a body is too large for it.
         """
-        one_of("local_solver", local_solver, LOCAL_SOLVERS)
+        check_choice("local_solver", local_solver, LOCAL_SOLVERS)
         if self._parameter_values() != self._read:
             self.refresh()
         kinds = [local_solver if local_solver != "auto" else cheapest_solver(body) for body in self.bodies]
@@ -82,28 +82,28 @@ class Scene:
         )
         for place, shared in enumerate(made):
             if shared is not None and not self.ranks.owns(place):
-                problem = RemoteSubproblem(self.bodies[place], place, self.interfaces, shared)
+                problem = RemoteProblem(self.bodies[place], place, self.interfaces, shared)
                 self._subproblems["condensed", place] = problem
 
-    def _subproblem(self, kind: str, place: int) -> Subproblem:
+    def _subproblem(self, kind: str, place: int) -> AssembledProblem:
         """One body's linear problem, made when first asked for."""
         if (kind, place) not in self._subproblems:
             body = self.bodies[place]
             if kind == "condensed":
-                made: Subproblem = self._condensed(place)
+                made: AssembledProblem = self._condensed(place)
             elif kind == "assembled":
                 refuse_if_too_large(body)
-                made = Subproblem(body, place, self.interfaces, self._original(kind, place))
+                made = AssembledProblem(body, place, self.interfaces, self._original(kind, place))
             else:
-                made = MultigridSubproblem(body, place, self.interfaces)
+                made = MultigridProblem(body, place, self.interfaces)
             self._subproblems[kind, place] = made
         return self._subproblems[kind, place]
 
-    def _condensed(self, place: int) -> CondensedSubproblem:
+    def _condensed(self, place: int) -> CondensedProblem:
         """One body's condensed problem; identical bodies share the factorisation of the inside."""
-        others = [p for p in self._subproblems.values() if type(p) is CondensedSubproblem]
+        others = [p for p in self._subproblems.values() if type(p) is CondensedProblem]
         inner, original = self._subproblem("assembled", place), self._original("condensed", place)
-        return CondensedSubproblem(inner, self.ranks.team(place), others, original)
+        return CondensedProblem(inner, self.ranks.team(place), others, original)
 
     def _original(self, kind: str, place: int) -> tuple[Any, Floats] | None:
         """The problem of the body that this one is a copy of, if that has been made, and the signs between them."""
@@ -129,9 +129,9 @@ class Scene:
             self.interfaces = [i.refreshed(c) for i, c in zip(self.interfaces, self.contacts, strict=True)]
         old, self._subproblems = self._subproblems, {}
         for (kind, place), problem in sorted(old.items(), key=lambda item: item[0][0]):  # "assembled" comes first
-            if isinstance(problem, RemoteSubproblem):
+            if isinstance(problem, RemoteProblem):
                 continue  # its owner will tell
-            if isinstance(problem, CondensedSubproblem):
+            if isinstance(problem, CondensedProblem):
                 self._subproblems[kind, place] = problem.refreshed_for(self._subproblems["assembled", place])
             else:
                 self._subproblems[kind, place] = problem.refreshed()

@@ -11,13 +11,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .base.arrays import Floats
 from .layer import Layer
 
-Floats = NDArray[np.float64]
 #: A 0/1 function ψ of the gaps z (n,) and the points x (dim, n): where the Robin condition is set.
 Subset = Callable[[Floats, Floats], Floats]
+
+
 #: φ from the layer, the gaps z^k and z^{k−1} (n,) and the points x (dim, n).
 Coefficient = Callable[[Layer, Floats, Floats, Floats], Floats]
 
@@ -26,9 +27,9 @@ Coefficient = Callable[[Layer, Floats, Floats, Floats], Floats]
 class Scheme:
     """A scheme.
 
-    name; coefficient: its φ; step: how the linear problem is solved: "apart" (every body on its own), "direct" (all
-    coupled), "krylov" (coupled, by solves of the bodies apart) or "auto"; equation: in the paper; accelerated: whether
-    Anderson's method mixes the iterates.
+    name; coefficient: its φ; step: how the linear problem is solved: "decomposed" (every body on its own), "direct"
+    (all coupled), "krylov" (coupled, by solves of the bodies apart) or "auto"; equation: in the paper; accelerated:
+    whether Anderson's method mixes the iterates.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Scheme:
     @property
     def decomposed(self) -> bool:
         """Whether an iteration is one solve per body, relaxed."""
-        return self.step == "apart"
+        return self.step == "decomposed"
 
 
 def semismooth(layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
@@ -77,21 +78,21 @@ def one_point(psi: Subset) -> Scheme:
     def coefficient(layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
         return np.where(np.asarray(psi(z, x), dtype=bool), everywhere(layer, z, z_previous, x), 0.0)
 
-    return Scheme("one-point, own ψ", coefficient, "apart", "(22)")
+    return Scheme("one-point, own ψ", coefficient, "decomposed", "(22)")
 
 
 SCHEMES = {
     scheme.name: scheme
     for scheme in (
-        Scheme("neumann", nowhere, "apart", "(22), ψ ≡ 0"),
-        Scheme("robin", everywhere, "apart", "(22), ψ ≡ 1"),
-        Scheme("one-point", semismooth, "apart", "(22), ψ = χ"),
-        Scheme("chord", chord, "apart", "(32)"),
-        Scheme("kurchatov", kurchatov, "apart", "(36)"),
+        Scheme("neumann", nowhere, "decomposed", "(22), ψ ≡ 0"),
+        Scheme("robin", everywhere, "decomposed", "(22), ψ ≡ 1"),
+        Scheme("one-point", semismooth, "decomposed", "(22), ψ = χ"),
+        Scheme("chord", chord, "decomposed", "(32)"),
+        Scheme("kurchatov", kurchatov, "decomposed", "(36)"),
         Scheme("newton", semismooth, "direct", "(17)"),
         Scheme("newton-chord", chord, "direct", "(26)"),
         Scheme("newton-kurchatov", kurchatov, "direct", "(27)"),
-        Scheme("anderson", chord, "apart", "(32)", accelerated=True),
+        Scheme("anderson", chord, "decomposed", "(32)", accelerated=True),
         Scheme("newton-krylov", semismooth, "krylov", "(17)"),
         Scheme("auto", semismooth, "auto", "(17)"),
     )

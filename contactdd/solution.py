@@ -13,21 +13,19 @@ import numpy as np
 from dolfinx import fem
 from numpy.typing import NDArray
 
-from . import compat
+from .base import compat
+from .base.arrays import Floats
 from .body import Body
 from .contact import Contact
 from .field import inner_element
 from .history import History
-from .interface import Interface, discretise
+from .interface.discretise import Interface, discretise
 
 if TYPE_CHECKING:
-    from .ensemble import Ensemble
+    from .local.problem import Fields
     from .scene import Scene
-    from .start import State
-    from .subproblem import Fields
-
-Floats = NDArray[np.float64]
-STRESSES = ("xx", "yy", "zz", "yz", "xz", "xy")
+    from .system.ensemble import Ensemble
+    from .system.state import State
 
 
 @dataclass(frozen=True)
@@ -199,25 +197,25 @@ class Solution:
 
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
         """Pressure and gap along a contact: a matplotlib figure."""
-        from .plot import plot_contact
+        from .view.plot import plot_contact
 
         return plot_contact(self, contact, **options)
 
     def plot_bodies(self, **options: Any) -> Any:
         """The deformed bodies coloured by a stress: a picture, also saved to `path`; see `plot.plot_bodies`."""
-        from .plot import plot_bodies
+        from .view.plot import plot_bodies
 
         return plot_bodies(self, **options)
 
     def plot(self) -> Any:
         """The deformed bodies and every contact's curves."""
-        from .plot import plot
+        from .view.plot import plot
 
         return plot(self)
 
     def export(self, folder: str | Path) -> list[Path]:
         """Write displacement and stress of every body for ParaView; the files written."""
-        from .export import export
+        from .view.export import export
 
         return export(self, folder)
 

@@ -11,19 +11,22 @@ from pathlib import Path
 
 import numpy as np
 
-from . import start as starts
-from .checkpoint import Keeper, read
-from .ensemble import Ensemble
-from .errors import NoEquilibriumError, NotConvergedError, finite, one_of, positive, whole
+from .base.checks import as_count, check_choice, finite, positive
+from .errors import NoEquilibriumError, NotConvergedError
 from .history import Record
-from .iteration import Rule, Run
-from .progress import Progress
+from .iteration.checkpoint import CheckpointWriter, read
+from .iteration.progress import Progress
+from .iteration.run import Run
+from .iteration.step import find_step
+from .iteration.stopping import StoppingCriterion
 from .scene import Scene
 from .scheme import Scheme, find_scheme
 from .solution import Solution
-from .step import find_step
+from .system import start as starts
+from .system.ensemble import Ensemble
 
 Gamma = float | Iterable[float] | Callable[[int], float] | str
+
 
 #: γ of the decomposed methods if nothing is said: the paper's best.
 BEST_GAMMA = 0.6
@@ -77,7 +80,7 @@ def solve(
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
     scheme = find_scheme(method)
-    one_of("on_failure", on_failure, ("raise", "return"))
+    check_choice("on_failure", on_failure, ("raise", "return"))
     relaxation = _relaxation(gamma, scheme)
     rule = _rule(tolerance, criterion, max_iterations, scheme)
     file, every = _file(checkpoint, resume), positive("checkpoint_every", checkpoint_every)
@@ -91,7 +94,7 @@ def solve(
     else:
         earlier = (_start(ensemble, scheme, gamma, start, previous),)
     run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
-    keeper = Keeper(file if ranks.comm.rank == 0 else None, every, run)
+    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
     with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
         deadline = time.monotonic() + seconds
 
@@ -109,12 +112,12 @@ def solve(
     return solution
 
 
-def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> Rule:
+def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> StoppingCriterion:
     """The stopping rule, its numbers checked."""
-    one_of("criterion", criterion, ("residual", "change"))
-    most = whole("max_iterations", most)
+    check_choice("criterion", criterion, ("residual", "change"))
+    most = as_count("max_iterations", most)
     # A relaxed method may come closer by a thousandth per iteration and still arrive; Newton's does not creep.
-    return Rule(positive("tolerance", tolerance), criterion, most, 250 if scheme.decomposed else 40)
+    return StoppingCriterion(positive("tolerance", tolerance), criterion, most, 250 if scheme.decomposed else 40)
 
 
 def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
@@ -122,7 +125,7 @@ def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
     if gamma is None:
         gamma = BEST_GAMMA if scheme.decomposed else "search"
     if isinstance(gamma, str):
-        one_of("gamma", gamma, ("search",))
+        check_choice("gamma", gamma, ("search",))
         return itertools.repeat(None)
     if callable(gamma):
         return (positive("gamma", gamma(k)) for k in itertools.count())
@@ -166,7 +169,7 @@ def _start(
 ) -> starts.State:
     """The first iterate."""
     if isinstance(start, Solution):
-        return starts.from_solution(ensemble, start)
+        return starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
     if start is not None:
         return starts.from_contacts(ensemble, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.

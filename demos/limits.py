@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from report import Report
 
 import contactdd as cd
-from contactdd.ensemble import Ensemble
+from contactdd.system.ensemble import Ensemble
 
 METHODS = {"I": "one-point", "II": "chord", "III": "kurchatov"}
 GAMMAS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.65, 0.7, 0.75, 0.8, 0.9, 0.95, 1.0)

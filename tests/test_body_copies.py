@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.copies import originals, signs_between
-from contactdd.elimination import Image
+from contactdd.local.condensation import MirroredCondensation
+from contactdd.local.copies import originals, signs_between
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 #: Its axes are turned, so that the mirror image is another material.
@@ -76,7 +76,7 @@ def test_sharing_changes_nothing(shape, degree, local_solver, method, monkeypatc
     assert [found is None for found in originals(scene.bodies)] == [True, False, False, False]
     shared = cd.solve(scene, method, **options)
     if local_solver == "condensed":
-        assert any(isinstance(problem._inside, Image) for problem in scene.subproblems("condensed"))
+        assert any(isinstance(problem._inside, MirroredCondensation) for problem in scene.subproblems("condensed"))
     expected = cd.solve(alone(stack(shape, degree), monkeypatch), method, **options)
     assert shared.iterations == expected.iterations
     for contact in scene.contacts:

@@ -11,9 +11,9 @@ from dolfinx import mesh as dmesh
 from mpi4py import MPI
 
 import contactdd as cd
-from contactdd import compat
-from contactdd.isometry import reflection, translation
-from contactdd.trace import facet_corners, facet_points
+from contactdd.base import compat
+from contactdd.base.facets import facet_corners, facet_points
+from contactdd.base.isometry import reflection, translation
 
 SHAPES = ("triangle", "quadrilateral", "tetrahedron", "hexahedron")
 STEEL = cd.Isotropic(2.1e5, 0.3)

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd import coupled
-from contactdd import ensemble as ensembles
-from contactdd.coupled import CoupledSystem
-from contactdd.ensemble import Ensemble
+from contactdd.base.sparse import product_map
 from contactdd.errors import LooseBodyError
-from contactdd.line_search import minimise_along
-from contactdd.rigid import pivots
-from contactdd.subproblem import product_map
+from contactdd.iteration import coupled
+from contactdd.iteration.coupled import CoupledSystem
+from contactdd.iteration.line_search import minimise_along
+from contactdd.local.rigid import select_fixing_dofs
+from contactdd.system import ensemble as ensembles
+from contactdd.system.ensemble import Ensemble
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 
@@ -124,7 +124,7 @@ def test_free_motions_are_the_null_space(supports):
         assert free.shape[1] == count
         assert free.T @ free == pytest.approx(np.eye(count), abs=1e-12)
         assert np.abs(matrix(ensemble, {0: phi}) @ rigid.modes @ free).max(initial=0.0) <= 1e-10 * rigid.largest
-        ground = pivots(rigid.modes @ free)
+        ground = select_fixing_dofs(rigid.modes @ free)
         held = matrix(ensemble, {0: phi})
         held[ground, ground] += rigid.largest
         assert np.linalg.eigvalsh(held)[0] > 0.0

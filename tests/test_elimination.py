@@ -6,10 +6,16 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.affine import AffineCells, are_affine
-from contactdd.elimination import Cellwise, Dense, Image, Whole, eliminate_cellwise
-from contactdd.forms import stiffness_matrix
-from contactdd.subproblem import Subproblem
+from contactdd.local.affine import AffineCells, are_affine
+from contactdd.local.assembled import AssembledProblem
+from contactdd.local.condensation import (
+    DenseCondensation,
+    ElementCondensation,
+    MirroredCondensation,
+    SparseCondensation,
+    condense_by_elements,
+)
+from contactdd.local.forms import stiffness_matrix
 
 #: Two ways to the same numbers differ by the rounding of sums over some hundred terms.
 ROUNDING = 1e-12
@@ -69,7 +75,7 @@ def test_which_cells_are_affine():
     assert are_affine(cd.rectangle((1e3, 1e3), (1e3 + 1, 1e3 + 1), (7, 3), shape="quadrilateral"))
 
 
-def problem(shape: str, degree: int, lower: tuple[float, ...], supports: list[object]) -> Subproblem:
+def problem(shape: str, degree: int, lower: tuple[float, ...], supports: list[object]) -> AssembledProblem:
     """A block under another, its contact on top, pressed from the side and from inside."""
     dim = len(lower)
     middle, upper = np.add(lower, 1.0), np.add(lower, 1.0)
@@ -85,10 +91,10 @@ def problem(shape: str, degree: int, lower: tuple[float, ...], supports: list[ob
         for name, mesh in zip(("lower", "upper"), meshes, strict=True)
     ]
     scene = cd.Scene(bodies, [cd.Contact((bodies[0], "top"), (bodies[1], "bottom"), cd.LinearLayer(1e5))])
-    return Subproblem(bodies[0], 0, scene.interfaces)
+    return AssembledProblem(bodies[0], 0, scene.interfaces)
 
 
-def kept_unknowns(inner: Subproblem) -> np.ndarray:
+def kept_unknowns(inner: AssembledProblem) -> np.ndarray:
     return inner.space.unknowns_at(inner.sides[0][1].trace.indices)
 
 
@@ -105,8 +111,8 @@ def test_cellwise_is_the_same_as_whole(shape, degree, dim, floating, monkeypatch
     monkeypatch.setattr(
         AffineCells, "ENTRIES", 2 * inner.body.space.element.space_dimension**2
     )  # a few cells at a time
-    whole = Whole(inner.stiffness, kept)
-    cellwise = Cellwise(AffineCells(inner.body), inner.space, kept)
+    whole = SparseCondensation(inner.stiffness, kept)
+    cellwise = ElementCondensation(AffineCells(inner.body), inner.space, kept)
     scale = np.abs(whole.complement).max()
     assert np.abs(cellwise.complement - whole.complement).max() < 1e-11 * scale
     (on_kept, work), (expected, expected_work) = cellwise.reduced(inner.load), whole.reduced(inner.load)
@@ -126,7 +132,7 @@ def test_a_dense_elimination_of_some_all_or_none(kept):
     root = np.random.default_rng(2).normal(size=(5, 5))
     matrix, forces = root @ root.T + np.eye(5), np.arange(5.0)
     inner, values = 5 - kept, np.ones(kept)
-    dense = Dense(matrix, kept)
+    dense = DenseCondensation(matrix, kept)
     response = np.linalg.solve(matrix[:inner, :inner], np.column_stack([matrix[:inner, inner:], forces[:inner]]))
     assert dense.complement == pytest.approx(matrix[inner:, inner:] - matrix[inner:, :inner] @ response[:, :-1])
     on_kept, work = dense.reduced(forces)
@@ -141,23 +147,23 @@ def test_a_moved_copy_is_an_image(shape, degree, dim):
     walls = cd.Symmetry("left") if dim == 2 else cd.Symmetry("left", "front")
     inner, moved = (problem(shape, degree, (x,) * dim, [walls]) for x in (0.0, 7.3))
     kept, space = kept_unknowns(inner), inner.space
-    original = eliminate_cellwise(AffineCells(inner.body), space, kept, [])
-    image = eliminate_cellwise(AffineCells(moved.body), space, kept, [original])
-    assert isinstance(image, Image)
-    own = Cellwise(AffineCells(moved.body), space, kept)
+    original = condense_by_elements(AffineCells(inner.body), space, kept, [])
+    image = condense_by_elements(AffineCells(moved.body), space, kept, [original])
+    assert isinstance(image, MirroredCondensation)
+    own = ElementCondensation(AffineCells(moved.body), space, kept)
     assert np.abs(image.complement - own.complement).max() < 1e-10 * np.abs(own.complement).max()
 
 
 def test_another_body_is_no_image():
     inner = problem("quadrilateral", 3, (0.0, 0.0), [cd.Symmetry("left")])
     kept, space = kept_unknowns(inner), inner.space
-    original = eliminate_cellwise(AffineCells(inner.body), space, kept, [])
+    original = condense_by_elements(AffineCells(inner.body), space, kept, [])
     wider = cd.rectangle((0, 0), (1 + 1e-9, 1), (2, 2), shape="quadrilateral")
     for body in (
         cd.Body("softer", inner.body.mesh, cd.Isotropic(1e5, 0.3), degree=3),
         cd.Body("wider", wider, inner.body.material, degree=3),
     ):
-        assert isinstance(eliminate_cellwise(AffineCells(body), space, kept, [original]), Cellwise)
+        assert isinstance(condense_by_elements(AffineCells(body), space, kept, [original]), ElementCondensation)
 
 
 @pytest.mark.parametrize("method", ["auto", "chord"])

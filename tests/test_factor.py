@@ -7,8 +7,8 @@ import pytest
 import scipy.sparse as sp
 
 import contactdd as cd
-from contactdd.factor import Factor
-from contactdd.subproblem import Subproblem
+from contactdd.local.assembled import AssembledProblem
+from contactdd.local.factor import Factor
 
 
 @pytest.fixture(scope="module")
@@ -17,7 +17,7 @@ def floating() -> sp.csr_matrix:
     lower = cd.Body("a", cd.rectangle((0, 0), (1, 1), (4, 3)), cd.Isotropic(1e3, 0.3), supports=[cd.Symmetry("left")])
     upper = cd.Body("b", cd.rectangle((0, 1), (1, 2), (4, 3)), cd.Isotropic(1e3, 0.3), supports=[cd.Fixed("top")])
     scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1.0))])
-    return Subproblem(lower, 0, scene.interfaces).stiffness
+    return AssembledProblem(lower, 0, scene.interfaces).stiffness
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 8, 20])

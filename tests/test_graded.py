@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd import compat
+from contactdd.base import compat
 
 X, Y, Z = [0.0, 0.1, 0.4, 2.0], [0.0, 0.7, 1.0], [-1.0, -0.2, 0.0]
 

@@ -9,7 +9,7 @@ import pytest
 import scipy
 
 import contactdd as cd
-from contactdd.factor import Factor
+from contactdd.local.factor import Factor
 
 STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)

@@ -12,7 +12,7 @@ from mpi4py import MPI
 from scipy.optimize import brentq
 
 import contactdd as cd
-from contactdd.support import admissible_space
+from contactdd.local.space import admissible_space
 
 STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)

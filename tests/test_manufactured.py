@@ -8,7 +8,7 @@ import ufl
 from dolfinx import fem
 
 import contactdd as cd
-from contactdd import compat
+from contactdd.base import compat
 
 E, NU, L, H = 2.0, 0.3, 2.0, 1.0
 MATERIAL = cd.Isotropic(E=E, nu=NU)

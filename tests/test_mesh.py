@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.interface import ContactSurface
+from contactdd.interface.surface import ContactSurface
 from contactdd.mesh import mesh_cache
 from contactdd.quadrature import rule
 

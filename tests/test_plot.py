@@ -7,7 +7,7 @@ import pytest
 import test_uniform
 
 import contactdd as cd
-from contactdd.plot import _grid, body_grid, von_mises
+from contactdd.view.plot import _grid, body_grid, von_mises
 
 
 @pytest.fixture(scope="module")

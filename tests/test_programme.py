@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd import subproblem
+from contactdd.local import assembled as subproblem
 
 STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.ranks import deal_out
+from contactdd.base.ranks import deal_out
 
 ROOT = Path(__file__).parents[1]
 

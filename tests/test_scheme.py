@@ -100,7 +100,7 @@ def test_searched_gamma_is_the_same_by_differences_and_by_divided_differences(pa
     """Differences of the layers' work, where they do not cancel, and divided differences give one slope."""
     histories = []
     for cancelled in (0.0, np.inf):
-        monkeypatch.setattr("contactdd.iteration.CANCELLED", cancelled)
+        monkeypatch.setattr("contactdd.iteration.run.CANCELLED", cancelled)
         histories.append(cd.solve(paper_scene, method, tolerance=1e-6).history)
     assert histories[0].gamma == pytest.approx(histories[1].gamma, rel=1e-6)
     assert histories[0].energy == pytest.approx(histories[1].energy, rel=1e-12)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.elimination import Whole
+from contactdd.local.condensation import SparseCondensation
 
 
 def stack(moduli: list[float], heights: list[float] | None = None) -> cd.Scene:
@@ -45,7 +45,7 @@ def test_only_identical_bodies_share():
 def test_sharing_changes_nothing(method, monkeypatch):
     tolerance = 1e-10 if method == "auto" else 1e-6
     shared = cd.solve(stack([2e5] * 5), method, tolerance=tolerance)
-    monkeypatch.setattr(Whole, "fits", lambda *arguments: False)
+    monkeypatch.setattr(SparseCondensation, "fits", lambda *arguments: False)
     scene = stack([2e5] * 5)
     alone = cd.solve(scene, method, tolerance=tolerance)
     assert factors(scene) == 5

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd import start
-from contactdd.ensemble import Ensemble
+from contactdd.system import start
+from contactdd.system.ensemble import Ensemble
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd import elimination, factor, subproblem
+from contactdd.local import assembled as subproblem
+from contactdd.local import condensation as elimination
+from contactdd.local import factor
 
 
 @pytest.fixture

@@ -9,10 +9,12 @@ import pytest
 import scipy
 
 import contactdd as cd
-from contactdd.interface import ContactSurface, Spread, discretise
+from contactdd.base.facets import facet_points, facet_type
+from contactdd.interface.discretise import discretise
+from contactdd.interface.pairing import _nearest
+from contactdd.interface.surface import ContactSurface, Gather
+from contactdd.interface.trace import normal_trace
 from contactdd.quadrature import rule
-from contactdd.trace import facet_points, facet_type, normal_trace
-from contactdd.transfer import _nearest
 
 MESHES = Path(__file__).parents[1] / "meshes"
 STEEL = cd.Isotropic(2.1e5, 0.3)
@@ -105,7 +107,7 @@ def test_spread_and_average(name):
     assert side.weights @ (side.spread() @ values) == pytest.approx(side.value_weights @ values)
     matrix = scipy.sparse.random(5, len(side.weights), 0.5, format="csr", random_state=3)
     spread = side.spread(order)
-    assert isinstance(spread, Spread)
+    assert isinstance(spread, Gather)
     assert (matrix @ spread) @ values == pytest.approx(matrix @ (spread @ values))
 
 

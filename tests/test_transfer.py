@@ -13,8 +13,8 @@ from mpi4py import MPI
 from scipy.interpolate import CubicSpline
 
 import contactdd as cd
-from contactdd.search import facing_pairs
-from contactdd.segment import common_normals, segments
+from contactdd.interface.detection import facing_pairs
+from contactdd.interface.overlap import common_normals, segments
 
 STEEL, BRASS = cd.Isotropic(2.1e5, 0.3), cd.Isotropic(1.0e5, 0.35)
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)
@@ -129,7 +129,7 @@ def test_segments_of_matching_meshes_are_their_facets(dim, quadrature, monkeypat
     matching = pressed(*meshes, quadrature=quadrature, gap=groove)
     cut = pressed(*meshes, quadrature=quadrature, gap=groove)
     expected = newton(matching).contact()
-    monkeypatch.setattr("contactdd.interface.matching", lambda *_: None)
+    monkeypatch.setattr("contactdd.interface.discretise.matching", lambda *_: None)
     found = newton(cut).contact()
     places = nearest(expected.x, found.x)
     assert len(found.x) == len(expected.x)

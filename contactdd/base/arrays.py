@@ -1,0 +1,13 @@
+"""The arrays of the package, named once."""
+
+from __future__ import annotations
+
+from typing import Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+#: An operator that is kept dense where it is small. SciPy's part is named by a string: it is imported by its first use.
+Operator = Union["scipy.sparse.csr_matrix", NDArray[np.float64]]  # noqa: F821, UP007

@@ -1,0 +1,64 @@
+"""Arguments checked before anything is computed: each refusal says the name, the value and what was expected."""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+
+def positive(name: str, value: Any) -> float:
+    """`value` as a float, refused unless it is a finite number above zero."""
+    number = finite(name, value)
+    if number <= 0.0:
+        raise ValueError(f"{name} = {value!r}: expected a number > 0")
+    return number
+
+
+def finite(name: str, value: Any) -> float:
+    """`value` as a float, refused unless it is a finite number."""
+    if isinstance(value, (bool, str)) or not np.isscalar(value):
+        raise TypeError(f"{name} = {value!r}: expected a number")
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} = {value!r}: expected a number") from None
+    if not np.isfinite(number):
+        raise ValueError(f"{name} = {value!r}: expected a finite number")
+    return number
+
+
+def as_count(name: str, value: Any, expected: str = "a whole number >= 1") -> int:
+    """`value` as an int, refused unless it is a whole number above zero."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise TypeError(f"{name} = {value!r}: expected {expected}")
+    if not 1 <= value < np.inf or int(value) != value:
+        raise ValueError(f"{name} = {value!r}: expected {expected}")
+    return int(value)
+
+
+def as_floats(name: str, value: Any, expected: str) -> np.ndarray:
+    """`value` as an array of floats, refused if it is anything else; of what shape and whether finite is not asked."""
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind in "SUc":  # numpy would read a number in a text, and forget imaginary parts
+            raise TypeError
+        return np.asarray(array, dtype=float)
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} = {value!r}: expected {expected}") from None
+
+
+def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
+    """`value`, refused unless it is one of `choices`."""
+    if value not in choices:
+        raise ValueError(f"{name} = {value!r}: expected one of {', '.join(map(repr, choices))}")
+    return value
+
+
+def as_tuple_of(name: str, values: Any, kind: Any) -> tuple:
+    """`values` as a tuple, refused unless it is a sequence of the given kind."""
+    if not isinstance(values, (list, tuple)) or not all(isinstance(value, kind) for value in values):
+        kinds = " or ".join(each.__name__ for each in getattr(kind, "__args__", (kind,)))
+        raise TypeError(f"{name} = {values!r}: expected a list of {kinds}")
+    return tuple(values)

@@ -1,0 +1,50 @@
+"""Motions along the axes and mirror images in planes across them: how one mesh is a copy of another."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .arrays import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Isometry:
+    """The map x ↦ signs · x + offset, component by component.
+
+    signs: (dim,) of 1 and −1; offset: (dim,) a length.
+    """
+
+    signs: Floats
+    offset: Floats
+
+    def __call__(self, x: Floats) -> Floats:
+        """The images (n, dim) of points x (n, dim)."""
+        return self.signs * x + self.offset
+
+    @property
+    def inverse(self) -> Isometry:
+        """From the images back to the points."""
+        return Isometry(self.signs, -self.signs * self.offset)
+
+    def after(self, first: Isometry) -> Isometry:
+        """The isometry x ↦ self(first(x))."""
+        return Isometry(self.signs * first.signs, self.signs * first.offset + self.offset)
+
+
+def translation(offset: Floats) -> Isometry:
+    """x ↦ x + offset, offset (dim,)."""
+    return Isometry(np.ones(len(offset)), offset)
+
+
+def reflection(dim: int, axis: int, at: float) -> Isometry:
+    """The mirror image in the plane x[axis] = at."""
+    across = np.arange(dim) == axis
+    return Isometry(np.where(across, -1.0, 1.0), np.where(across, 2.0 * at, 0.0))
+
+
+def turned(tensor: Floats, signs: Floats) -> Floats:
+    """C_ijkl (dim, dim, dim, dim) of a material after the axes with the sign −1 were mirrored."""
+    pairs = signs[:, None] * signs
+    return tensor * pairs[:, :, None, None] * pairs

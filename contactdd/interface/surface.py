@@ -1,0 +1,122 @@
+"""One body's side of a contact: its facets, integration points, and normal displacement there."""
+
+from __future__ import annotations
+
+from copy import copy
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import basix
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from ..base.arrays import Floats
+from ..base.facets import FacetPoints, facet_corners, facet_type, surface_points
+from ..base.isometry import Isometry
+from ..body import Body
+from ..quadrature import Rule
+from .trace import surface_trace
+
+
+class ContactSurface:
+    """One body's side of a contact: its facets, and its normal displacement at the points of the quadrature rule.
+
+    `integration points` are those at which ∫ φ u_n v_n is evaluated, facet by facet; `values` are the places where
+    the law is: the same points or, for the rule "facet", the facets. points: the n integration points, per_facet on
+    each facet; areas: (n,) what each stands for on the mesh; weights: (n,) in the body, the full ring of a body of
+    revolution; trace: (n, dofs) from the displacement to u_n there.
+    """
+
+    def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
+        self.body, self.surface, self.rule = body, surface, quadrature
+        self.facets = body.mesh.facets(surface)
+        self.entities = body.mesh.entities(surface)
+        points, weights = quadrature.points(facet_type(body.mesh.domain))
+        self.per_facet = len(points)
+        self.points = surface_points(body.mesh.domain, self.entities, points)
+        self.areas = (self.points.area.reshape(-1, len(points)) * weights).ravel()
+        self.weights = self.areas * body.kinematics.weight(self.points.x.T)
+        self.trace = surface_trace(body.space, self.entities, points, self.points.normal)
+
+    def copied(self, body: Body, isometry: Isometry) -> ContactSurface:
+        """The same surface of a body on a copy of the mesh, of the same degree."""
+        other = copy(self)
+        other.body, trace, signs = body, self.trace, isometry.signs
+        other.points = self.points.turned(isometry)
+        other.weights = self.areas * body.kinematics.weight(other.points.x.T)
+        other.trace = copy(trace)
+        other.trace.data = trace.data * signs[trace.indices % len(signs)]
+        return other
+
+    def spread(self, order: NDArray[np.intp] | None = None) -> Gather:
+        """To the integration points from the values, or from values whose `order` tells where each of these stands."""
+        per_value = self.per_facet if self.rule.name == "facet" else 1
+        values = np.arange(len(self.weights)) // per_value
+        return Gather(values if order is None else order[values], len(values) // per_value)
+
+    @cached_property
+    def value_weights(self) -> Floats:
+        """The area that belongs to each value."""
+        return self.facet_areas if self.rule.name == "facet" else self.weights
+
+    @cached_property
+    def average(self) -> scipy.sparse.csr_matrix | None:
+        """From the integration points to the values: the mean over what belongs to each; None where they are one."""
+        if self.rule.name != "facet":
+            return None
+        parts = (self.weights.reshape(-1, self.per_facet) / self.value_weights[:, None]).ravel()
+        ends = np.arange(0, len(parts) + 1, self.per_facet)
+        return scipy.sparse.csr_matrix((parts, np.arange(len(parts)), ends), shape=(len(ends) - 1, len(parts)))
+
+    def mean(self, rows: Any) -> Any:
+        """The rows (integration points, n) of an array or a sparse matrix, averaged to the values."""
+        return rows if self.average is None else self.average @ rows
+
+    @cached_property
+    def facet_areas(self) -> Floats:
+        """The area of each facet."""
+        return self.weights.reshape(len(self.facets), -1).sum(axis=1)
+
+    @cached_property
+    def corners(self) -> Floats:
+        """The corners in order around each facet, (facets, corners, dim)."""
+        return facet_corners(self.body.mesh.domain, self.entities)
+
+    @cached_property
+    def centre(self) -> Floats:
+        """The middle of the reference facet, (dim − 1,)."""
+        return np.asarray(basix.geometry(facet_type(self.body.mesh.domain))).mean(axis=0)
+
+    @cached_property
+    def middles(self) -> FacetPoints:
+        """The middle of every facet."""
+        return surface_points(self.body.mesh.domain, self.entities, self.centre[None])
+
+    @cached_property
+    def nodal_trace(self) -> scipy.sparse.csr_matrix:
+        """The normal displacement at the nodes of the surface, each once: what the paper's stopping rule looks at."""
+        domain, dim = self.body.mesh.domain, self.body.mesh.dim
+        nodes = basix.create_element(
+            basix.ElementFamily.P, facet_type(domain), self.body.degree, basix.LagrangeVariant.equispaced
+        ).points
+        points = surface_points(domain, self.entities, nodes)
+        size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
+        _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)
+        return surface_trace(self.body.space, self.entities, nodes, points.normal)[np.sort(first)]
+
+
+@dataclass(frozen=True)
+class Gather:
+    """The operator to points, each of which takes the value at its place (points,) among as many values as `size`."""
+
+    places: NDArray[np.intp]
+    size: int
+
+    def __matmul__(self, values: Floats) -> Floats:
+        return values[self.places]
+
+    def __rmatmul__(self, matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
+        entries = (matrix.data, self.places[matrix.indices], matrix.indptr)
+        return scipy.sparse.csr_matrix(entries, shape=(matrix.shape[0], self.size))

@@ -1,0 +1,137 @@
+"""Newton's system (17) by conjugate gradients whose every step solves the bodies independently."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+import scipy
+
+from ..base.arrays import Floats
+from ..base.ranks import Ranks
+from ..local.problem import Solver
+from ..system.ensemble import Ensemble
+from ..system.state import Phi
+
+
+class Krylov:
+    """The coupled system by conjugate gradients, preconditioned by the bodies' own solves and a coarse space.
+
+    The coarse space holds what the bodies' solves see badly: their rigid motions and the lowest modes of
+    S v = λ (S + Φ) v, in which the interface moves as a wave and the layer hardly notices.
+    """
+
+    #: Modes below this are put into the coarse space; 0.2 bounds the condition of the rest by about 10.
+    LOWEST = 0.2
+    #: How much closer the Krylov method has to bring each Newton correction.
+    FORCING = 1e-4
+
+    def __init__(self, ensemble: Ensemble, ranks: Ranks, note: str = "") -> None:
+        self._ensemble, self._ranks = ensemble, ranks
+        self.body_solves, self.note = 0, note
+
+    def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
+        rigid = self._ensemble.rigid
+        rigid.ground(phi, residual, scale)  # only its check
+        # Rounding alone works on the motions that nothing resists: out of the forces with it, and out of the steps.
+        idle = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]
+        rhs = residual - idle @ (idle.T @ residual)
+        coarse = self._coarse_space(phi)
+        image = self._ensemble.tangent(phi, coarse)
+        inverse = _pseudo_inverse(coarse.T @ image, rigid.largest)
+        held = self._held(phi)
+
+        def precondition(vector: Floats) -> Floats:
+            corrections = self._precondition(held, vector)
+            return corrections - idle @ (idle.T @ corrections)
+
+        def project(vector: Floats) -> Floats:
+            return vector - coarse @ (inverse @ (image.T @ vector))
+
+        start = coarse @ (inverse @ (coarse.T @ rhs))
+        return deflated_conjugate_gradients(
+            lambda vector: self._ensemble.tangent(phi, vector),
+            precondition,
+            project,
+            rhs,
+            start,
+            self.FORCING,
+        )
+
+    def _held(self, phi: Phi) -> dict[int, Solver]:
+        """(S + Φ)⁻¹ of every body that this rank holds, by its place: factors stay where they are made."""
+        held = {}
+
+        def make(place: int) -> None:
+            held[place] = self._ensemble.problems[place].held(phi)
+
+        self._ranks.each(make)
+        return held
+
+    def _precondition(self, held: Mapping[int, Solver], vector: Floats) -> Floats:
+        """(S + Φ)⁻¹ of every body, independently."""
+        forces = self._ensemble.split(vector)
+        self.body_solves += len(forces)
+        return np.concatenate(self._ranks.each(lambda place: held[place](forces[place])))
+
+    def _coarse_space(self, phi: Phi) -> Floats:
+        """Rigid motions and lowest modes, orthonormal, (all unknowns, modes)."""
+
+        def of(place: int) -> Floats:
+            problem = self._ensemble.problems[place]
+            modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
+            return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
+
+        return scipy.linalg.block_diag(*self._ranks.each(of))
+
+
+def deflated_conjugate_gradients(
+    apply: Callable[[Floats], Floats],
+    precondition: Callable[[Floats], Floats],
+    project: Callable[[Floats], Floats],
+    rhs: Floats,
+    start: Floats,
+    reduction: float,
+    most: int = 500,
+    patience: int = 25,
+) -> Floats:
+    """The solution of a positive (semi)definite system whose coarse part `start` has solved already.
+
+    apply: the matrix times a vector; project: takes the coarse space out of a search direction. Ends when the
+    preconditioned residual has fallen to the part `reduction` of what it was at the start, or for `patience` steps not
+    at all, as where only rounding is left; every iterate lowers the energy, so that it is a descent direction whenever
+    it ends.
+    """
+    solution, residual = start.copy(), rhs - apply(start)
+    preconditioned = precondition(residual)
+    direction = project(preconditioned)
+    square = residual @ preconditioned
+    # Rounding of the coarse solve is all that is left where the coarse space holds the solution.
+    goal = max(square * reduction**2, 1e-28 * abs(rhs @ start))
+    best, best_at, smallest = solution.copy(), 0, square
+    for step in range(most):
+        if square < smallest:
+            best, best_at, smallest = solution.copy(), step, square
+        if square <= goal or step - best_at >= patience:
+            break
+        image = apply(direction)
+        curvature = direction @ image
+        if curvature <= 0.0:  # nothing but rounding is left
+            break
+        length = square / curvature
+        solution += length * direction
+        residual -= length * image
+        preconditioned = precondition(residual)
+        square, before = residual @ preconditioned, square
+        direction = project(preconditioned) + (square / before) * direction
+    return solution if square < smallest else best
+
+
+def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:
+    """The inverse of a symmetric matrix on what is not its null space: motions of all bodies that nothing resists.
+
+    largest: the stiffness in whose rounding such motions' resistance is lost.
+    """
+    values, vectors = np.linalg.eigh(matrix)
+    kept = values > 1e-14 * max(largest, values.max(initial=0.0))
+    return (vectors[:, kept] / values[kept]) @ vectors[:, kept].T

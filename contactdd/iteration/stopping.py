@@ -1,0 +1,55 @@
+"""When a run ends, and how it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import LooseBodyError
+from ..history import Record
+
+#: What a measure has to fall to for the run to have come closer.
+PROGRESS = 0.99
+
+
+@dataclass(frozen=True)
+class StoppingCriterion:
+    """When a run ends.
+
+    tolerance: of the criterion, "residual" or "change"; most: iterations; patience: iterations without any progress
+    after which the run is called stalled.
+    """
+
+    tolerance: float
+    criterion: str
+    most: int
+    patience: int
+
+    #: The residual may be this many times the change that the step would have made without its relaxation: over the
+    #: whole of Table 1 it is up to 0.91; where the change is small for another reason it is many times as large.
+    EXPLAINED = 2.0
+    #: Above this no residual is small, however small γ.
+    LARGE = 0.1
+
+    def distance(self, residual: float, last: Record | None) -> float:
+        """How far a run is from its goal, 1 at the goal: by its residual now and the change of its last iteration.
+
+        A small change alone proves nothing: a small γ makes small steps from anywhere, and a body that drifts away
+        makes them relatively small. So the residual must be what the change without its relaxation explains.
+        """
+        if self.criterion == "residual":
+            return residual / self.tolerance
+        if last is None:
+            return np.inf
+        explained = min(self.EXPLAINED * self.tolerance / min(last.gamma, 1.0), self.LARGE)
+        return max(last.change / self.tolerance, residual / explained)
+
+
+@dataclass(frozen=True)
+class Termination:
+    """How a run ended: its status, the reason in words, and what moves for ever where there is no equilibrium."""
+
+    status: str
+    reason: str
+    escape: LooseBodyError | None = None

@@ -1,0 +1,143 @@
+"""Columns in series with layers, and a rigid parabola on a layer: scalar equations, solved to rounding."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+from scipy.special import beta
+
+from ..base.arrays import Floats
+from ..base.checks import finite, positive
+from ..layer import Layer, PowerLayer
+from .moduli import _oedometric_modulus
+
+# ------------------------------------------------------------------------------- uniform compression
+
+
+@dataclass(frozen=True)
+class UniformCompression:
+    """Two equal blocks pressed flat on each other.
+
+    pressure (stress); compression, the layers' w ≤ 0 (length); shortening of each body (length);
+    approach of the outer faces (length).
+    """
+
+    pressure: float
+    compression: float
+    shortening: float
+    approach: float
+
+
+def uniform_compression(q: float, h: float, E: float, nu: float, B: float, a: float) -> UniformCompression:
+    """Two blocks of height h under the pressure q, sides held against sliding out, layer |w| = B σ^a between.
+
+    Exact on every mesh: σ_n = -q everywhere ("Known answers" of the model; the paper's groove with r0 = 0).
+    """
+    layer, q = PowerLayer(B, a), positive("q", q)
+    shortening = q * positive("h", h) / _oedometric_modulus(E, nu)
+    w = float(layer.compression(-q))
+    return UniformCompression(pressure=q, compression=w, shortening=shortening, approach=2 * shortening - w)
+
+
+# ----------------------------------------------------------------------------------- scalar problems
+
+
+@dataclass(frozen=True)
+class ColumnStack:
+    """A stack of columns: pressure ≥ 0, compressions w ≤ 0 of the layers, shortenings of the bodies."""
+
+    pressure: float
+    compressions: tuple[float, ...]
+    shortenings: tuple[float, ...]
+
+
+def column_stack(
+    heights: Sequence[float],
+    moduli: Sequence[float],
+    layers: Sequence[Layer],
+    gaps: Sequence[float],
+    closure: float,
+) -> ColumnStack:
+    """n columns (ν = 0) in a row, n - 1 layers and gaps between, the ends brought together by `closure`.
+
+    p Σ H_i/E_i + Σ |w_j(p)| = closure - Σ gaps ("Known answers"), to rounding; p = 0 if that is ≤ 0.
+    """
+    heights = [positive(f"heights[{i}]", height) for i, height in enumerate(heights)]
+    moduli = [positive(f"moduli[{i}]", modulus) for i, modulus in enumerate(moduli)]
+    gaps = [finite(f"gaps[{j}]", gap) for j, gap in enumerate(gaps)]
+    _check_stack(len(heights), moduli, layers, gaps)
+    slack = finite("closure", closure) - math.fsum(gaps)
+    softness = [height / modulus for height, modulus in zip(heights, moduli, strict=True)]
+    pressure = _stack_pressure(math.fsum(softness), layers, slack) if slack > 0 else 0.0
+    return ColumnStack(
+        pressure,
+        compressions=tuple(float(layer.compression(-pressure)) for layer in layers),
+        shortenings=tuple(pressure * soft for soft in softness),
+    )
+
+
+def _stack_pressure(softness: float, layers: Sequence[Layer], slack: float) -> float:
+    """p > 0 with p · softness + Σ |w_j(p)| = slack > 0: bracketing, then Newton steps down to rounding."""
+
+    def excess(p: float) -> float:
+        return math.fsum([p * softness, -slack, *(-float(layer.compression(-p)) for layer in layers)])
+
+    # No body and no layer is shortened by more than the whole slack.
+    upper = min([slack / softness, *(-float(layer.stress(-slack)) for layer in layers)])
+    p = brentq(excess, 0, upper * (1 + 1e-12), xtol=5e-324, maxiter=2000)
+    for _ in range(2):
+        slopes = (float(layer.contact_derivative(layer.compression(-p))) for layer in layers)
+        p -= excess(p) / (softness + math.fsum(1 / slope for slope in slopes))
+    return p
+
+
+def _check_stack(bodies: int, moduli: list[float], layers: Sequence[Layer], gaps: list[float]) -> None:
+    for name, values, count in (
+        ("moduli", moduli, bodies),
+        ("layers", layers, bodies - 1),
+        ("gaps", gaps, bodies - 1),
+    ):
+        if len(values) != count:
+            raise ValueError(f"{name} = {values!r}: expected {count} values for {bodies} heights")
+    for j, layer in enumerate(layers):
+        if not isinstance(layer, Layer):
+            raise TypeError(f"layers[{j}] = {layer!r}: expected a Layer")
+
+
+@dataclass(frozen=True)
+class ParabolaOnLayer:
+    """A rigid parabola on a layer: half_width of the contact (length), peak_pressure (stress), and the force.
+
+    The force is per unit length for the plane parabola, the whole one for the paraboloid.
+    """
+
+    approach: float
+    R: float
+    layer: PowerLayer
+    half_width: float
+    peak_pressure: float
+    force: float
+
+    def pressure(self, x: ArrayLike) -> Floats:
+        """p = (w/B)^(1/a), w = approach - x²/(2R), at the distance x from the middle; 0 outside (stress)."""
+        z = np.asarray(x, dtype=float) ** 2 / (2 * self.R) - self.approach
+        return np.abs(self.layer.contact_stress(z))
+
+
+def rigid_parabola_on_layer(
+    approach: float, R: float, B: float, a: float, axisymmetric: bool = False
+) -> ParabolaOnLayer:
+    """A rigid parabola x²/(2R), plane or of revolution, pressed by `approach` into a layer on a rigid base.
+
+    With b = √(2 R approach), p₀ = (approach/B)^(1/a) and n = 1/a the force is p₀ b Beta(½, n + 1) in
+    the plane and p₀ π b² / (n + 1) axisymmetrically, from ∫ (1 - t²)^n dt and ∫ (1 - t²)^n 2π t dt.
+    """
+    approach, R, layer = positive("approach", approach), positive("R", R), PowerLayer(B, a)
+    half_width, peak, n = math.sqrt(2 * R * approach), -float(layer.stress(-approach)), 1 / layer.a
+    area = math.pi * half_width**2 / (n + 1) if axisymmetric else half_width * float(beta(0.5, n + 1))
+    return ParabolaOnLayer(approach, R, layer, half_width, peak, force=peak * area)

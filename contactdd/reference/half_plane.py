@@ -1,0 +1,75 @@
+"""The groove between half-planes without layers, in closed form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..base.arrays import Floats
+from ..base.checks import positive
+from .groove import _groove_shape
+from .moduli import _plane_modulus
+
+# ---------------------------------------------------- the groove between half-planes, without layers
+
+
+@dataclass(frozen=True)
+class HalfPlaneGroove:
+    """The groove d(x) = r0 {[1 - (x/b)²]⁺}^(3/2) between two half-planes without layers.
+
+    closing_pressure: the q_c that closes it (stress); open_half_width: a*, 0 if closed (length);
+    closed: whether q ≥ q_c.
+    """
+
+    q: float
+    b: float
+    r0: float
+    closing_pressure: float
+    open_half_width: float
+    closed: bool
+
+    def gap(self, x: ArrayLike) -> Floats:
+        """The gap r0 (a*/b)³ (1 - x²/a*²)^(3/2) that stays open on |x| < a*, else 0 (length)."""
+        x = np.asarray(x, dtype=float)
+        if self.closed:
+            return np.zeros(x.shape)
+        shape = _groove_shape(x, self.open_half_width, self.r0)
+        return np.asarray((self.open_half_width / self.b) ** 3 * shape)
+
+    def pressure(self, x: ArrayLike) -> Floats:
+        """The contact pressure at any x (stress).
+
+        The bulge of the half-planes is the Hilbert transform of the pressure's deviation from q, so
+        that closing a groove (b, r0) changes it by 2 q_c P(x/b), P(ξ) = ξ² - ½ in the groove, ξ² - ½ -
+        |ξ| √(ξ² - 1) beside it. What stays open is a groove (a*, r0 (a*/b)³), to be taken off again.
+        """
+        x = np.abs(np.asarray(x, dtype=float))
+        closed = _closing_shape(x / self.b)
+        if self.closed:
+            return np.asarray(self.q + 2 * self.closing_pressure * closed)
+        share = (self.open_half_width / self.b) ** 2
+        still_open = share * _closing_shape(x / self.open_half_width)
+        pressure = self.q + 2 * self.closing_pressure * (closed - still_open)
+        return np.where(x <= self.open_half_width, 0.0, pressure)
+
+
+def groove_half_planes(
+    *, q: float = 10.0, E: float = 2.1e5, nu: float = 0.3, b: float = 1.0, r0: float = 5e-4
+) -> HalfPlaneGroove:
+    """The groove between half-planes far below and above, pressed by q, without layers ("Known answers").
+
+    E* = E / (2(1 - ν²)), q_c = ¾ E* r0/b, a* = b √(1 - q/q_c).
+    """
+    q, b, r0 = positive("q", q), positive("b", b), positive("r0", r0)
+    closing_pressure = 0.375 * _plane_modulus(E, nu) * r0 / b
+    open_half_width = b * math.sqrt(max(1 - q / closing_pressure, 0))
+    return HalfPlaneGroove(q, b, r0, closing_pressure, open_half_width, closed=q >= closing_pressure)
+
+
+def _closing_shape(xi: Floats) -> Floats:
+    """P(ξ) of `HalfPlaneGroove.pressure` for ξ ≥ 0, without cancellation far away."""
+    beside = xi / (xi + np.sqrt(np.maximum(xi**2 - 1, 0)) + (xi == 0))
+    return np.where(xi <= 1, xi**2, beside) - 0.5

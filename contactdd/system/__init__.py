@@ -1,0 +1,1 @@
+"""All bodies as one."""

@@ -1,0 +1,249 @@
+"""All bodies of a scene as one: a single vector y of unknowns, the energy F₁ (13) and the forces −F₁' that it gives."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from ..base.arrays import Floats, Operator
+from ..base.sparse import stacked
+from ..interface.discretise import Interface
+from ..local.assembled import AssembledProblem
+from ..local.problem import ContactTrace
+from ..local.rigid import Resistance, RigidMotions
+from .state import State
+
+
+def joint_motions(ensemble: Ensemble) -> RigidMotions:
+    """The free rigid motions of all bodies together; a contact resists those that change its gap."""
+    motions = [problem.rigid for problem in ensemble.problems]
+    modes = scipy.linalg.block_diag(*(each.modes for each in motions))
+    springs = scipy.linalg.block_diag(*(each.springs for each in motions))
+    closing = np.sqrt(ensemble.weights)[:, None] * (ensemble.closing @ modes)
+    contacts = [Resistance(index, rows) for index, rows in enumerate(ensemble.by_interface(closing))]
+    owners = [owner for each in motions for owner in each.owners]
+    return RigidMotions(modes, springs, contacts, owners, max(each.largest for each in motions))
+
+
+#: Unknowns up to which matrices of all bodies are dense: one product, or one Cholesky factorisation, beats many of the
+#: bodies' blocks.
+LARGEST_DENSE = 600
+
+
+#: Products, points times unknowns squared, up to which the contacts' term is a product of full matrices in any case.
+LARGEST_PRODUCT = 4_000_000
+
+
+#: Such products that take as long as one entry of the map that is made instead where rows have few entries: 40 ns to
+#: find its place, against 0.03 ns in each of some eight steps. Measured, they were above 900 for each entry of stacks
+#: of plane bodies, and below 40 for solids of degree 1 to 5.
+PRODUCTS_PER_ENTRY = 150
+
+
+#: Entries up to which the map may take more memory than the full matrix, some hundred bytes each: tens of MB.
+LARGEST_MAP = 500_000
+
+
+@dataclass(frozen=True)
+class Forces:
+    """The forces at an iterate.
+
+    tractions: (points,) g⁻(z) times the areas; elastic: (unknowns,) A y; residual: (unknowns,) −F₁',
+    loads and contact forces less the elastic ones; size: √(‖loads‖² + ‖contact forces‖²).
+    """
+
+    tractions: Floats
+    elastic: Floats
+    residual: Floats
+    size: float
+
+
+class Ensemble:
+    """The bodies' problems and the contacts between them, in the unknowns y of all bodies one after another.
+
+    parts: where each body's unknowns stand in y; points: where each interface's points stand among all of them;
+    weights: (points,) areas; size: how many unknowns; load: (unknowns,), load_size its norm; dense: whether the bodies'
+    stiffnesses all are, and small together; stiffness: of all bodies, dense then; closing: (points, unknowns) from y to
+    u_αn + u_βn, dense then where its products are cheap.
+    """
+
+    def __init__(self, problems: Sequence[AssembledProblem], interfaces: Sequence[Interface]) -> None:
+        self.problems, self.interfaces = problems, interfaces
+        self.parts = _slices(problem.size for problem in problems)
+        self.points = _slices(len(interface.weights) for interface in interfaces)
+        self.size = self.parts[-1].stop
+        self.weights = np.concatenate([interface.weights for interface in interfaces])
+        self.load = np.concatenate([problem.load for problem in problems])
+        self.load_size = norm(self.load)
+        self.dense = self.size <= LARGEST_DENSE and all(isinstance(p.stiffness, np.ndarray) for p in problems)
+        self.stiffness = self._along_diagonal([problem.stiffness for problem in problems])
+        self.closing = self._closing()
+        self._opening = self.closing.T
+        self._open = self._undeformed_gaps()
+        floating = [p.rigid.modes if p.rigid.floating else np.zeros((p.size, 0)) for p in problems]
+        self._floats = any(modes.shape[1] for modes in floating)
+        self._motions = self._along_diagonal(floating)
+        self._onto_motions = self._motions.T
+        self._constant = sum(problem.constant for problem in problems)
+
+    @cached_property
+    def rigid(self) -> RigidMotions:
+        """The free rigid motions of all bodies together."""
+        return joint_motions(self)
+
+    def split(self, y: Floats) -> list[Floats]:
+        """Every body's part of y."""
+        return [y[part] for part in self.parts]
+
+    def by_interface(self, values: Floats) -> list[Floats]:
+        """Every interface's part of values at all points."""
+        return [values[part] for part in self.points]
+
+    def gaps(self, y: Floats) -> list[Floats]:
+        """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
+        return self.by_interface(self._open - self.closing @ y)
+
+    def deformation(self, y: Floats) -> Floats:
+        """y without the rigid motions of floating bodies: what elastic forces come from."""
+        return y - self._motions @ (self._onto_motions @ y) if self._floats else y
+
+    def forces(self, state: State) -> Forces:
+        """−F₁' at an iterate, and what it is made of."""
+        tractions = self.tractions(state)
+        contact = self._opening @ tractions
+        elastic = self.stiffness @ state.deformation
+        return Forces(tractions, elastic, self.load + contact - elastic, math.hypot(self.load_size, norm(contact)))
+
+    def tractions(self, state: State) -> Floats:
+        """The contact stresses g⁻(z) times the areas, at all points."""
+        contacts = zip(self.interfaces, state.gaps, strict=True)
+        return self.weights * np.concatenate([i.contact.layer.contact_stress(z) for i, z in contacts])
+
+    def energy(self, state: State, elastic: Floats | None = None) -> float:
+        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); elastic: the elastic forces, where they are known."""
+        forces = self.stiffness @ state.deformation if elastic is None else elastic
+        bodies = float(0.5 * state.deformation @ forces - self.load @ state.unknowns) + self._constant
+        return bodies + self.layer_energy(state)
+
+    def layer_energy(self, state: State) -> float:
+        """J = Σ ∫ ∫₀^z g⁻."""
+        contacts = zip(self.interfaces, state.gaps, strict=True)
+        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts)
+
+    def tangent(self, phi: Mapping[int, Floats], y: Floats) -> Floats:
+        """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system of (17), (26), (27) times y.
+
+        phi: the coefficient at the points of each interface; y: (unknowns,) or (unknowns, n).
+        """
+        closed = self.closing @ y
+        at_points = (self.weights * self.at_all_points(phi) * closed.T).T
+        return self.stiffness @ self.deformation(y) + self._opening @ at_points
+
+    def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
+        """A coefficient that is given by interface, at all points."""
+        return np.concatenate([phi[index] for index in range(len(self.interfaces))])
+
+    def change(self, step: Floats, y: Floats, at_nodes: bool) -> float:
+        """The largest over the bodies of ‖u_n of the step‖₂ / ‖u_n of y‖₂, at the contacts' points or nodes."""
+        trace, offset, starts = self._nodal_traces if at_nodes else self._traces
+        u_n = trace @ np.column_stack([step, y])
+        u_n[:, 1] += offset
+        moved, size = np.sqrt(np.add.reduceat(u_n * u_n, starts)).T.tolist()
+        return max(m / s if s > 0.0 else float(m > 0.0) for m, s in zip(moved, size, strict=True))
+
+    @cached_property
+    def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
+        """From y to every body's u_n at the points of its contacts, the prescribed part, and where each body begins."""
+        traces = [stacked([port.trace for port in problem.ports]) for problem in self.problems]
+        offsets = [np.concatenate([port.offset for port in problem.ports]) for problem in self.problems]
+        return self._along_diagonal(traces), np.concatenate(offsets), _starts(offsets)
+
+    @cached_property
+    def _nodal_traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
+        """The same at the nodes of the contact surfaces."""
+        offsets = [problem.nodal_offset for problem in self.problems]
+        traces = BlockDiagonal([problem.nodal_trace for problem in self.problems])
+        return traces, np.concatenate(offsets), _starts(offsets)
+
+    def _along_diagonal(self, blocks: Sequence[Operator]) -> Floats | BlockDiagonal:
+        """The matrix with the bodies' blocks along its diagonal, dense if they all are and are small together."""
+        if not self.dense or not all(isinstance(block, np.ndarray) for block in blocks):
+            return BlockDiagonal(blocks)
+        return scipy.linalg.block_diag(*blocks)
+
+    def _closing(self) -> Operator:
+        """The operator from y to u_αn + u_βn at all points."""
+        shape = (len(self.weights), self.size)
+        ports = [(part, port) for part, p in zip(self.parts, self.problems, strict=True) for port in p.ports]
+        if self.dense and self._full_product(shape, [port for _, port in ports]):
+            total = np.zeros(shape)
+            for part, port in ports:
+                total[self.points[port.interface], part] += port.trace
+            return total
+        traces = [scipy.sparse.coo_matrix(port.trace) for _, port in ports]
+        rows = [self.points[port.interface].start + t.row for (_, port), t in zip(ports, traces, strict=True)]
+        columns = [part.start + t.col for (part, _), t in zip(ports, traces, strict=True)]
+        entries = (np.concatenate([t.data for t in traces]), (np.concatenate(rows), np.concatenate(columns)))
+        return scipy.sparse.csr_matrix(entries, shape=shape)
+
+    def _full_product(self, shape: tuple[int, int], ports: Sequence[ContactTrace]) -> bool:
+        """Whether the contacts' term is best a product of full matrices: not where its map is quicker, and small."""
+        products = shape[0] * shape[1] ** 2
+        if products <= LARGEST_PRODUCT:
+            return True
+        counts = np.zeros(shape[0], dtype=np.int64)  # the entries of each row
+        for port in ports:
+            counts[self.points[port.interface]] += np.diff(scipy.sparse.csr_matrix(port.trace).indptr)
+        entries = int(counts @ counts)
+        small = entries <= max(LARGEST_MAP, shape[0] * shape[1] // 12)  # 8 bytes for each of a full matrix
+        return not small or products <= PRODUCTS_PER_ENTRY * entries
+
+    def _undeformed_gaps(self) -> Floats:
+        """The gaps d less what the prescribed displacements close of them, at all points."""
+        gaps = np.concatenate([interface.gap for interface in self.interfaces])
+        for problem in self.problems:
+            for port in problem.ports:
+                gaps[self.points[port.interface]] -= port.offset
+        return gaps
+
+
+@dataclass(frozen=True)
+class BlockDiagonal:
+    """Matrices along a diagonal, each of which is applied to its own part of a vector (columns,) or (columns, n)."""
+
+    blocks: Sequence[Operator]
+
+    @property
+    def T(self) -> BlockDiagonal:
+        return BlockDiagonal([block.T for block in self.blocks])
+
+    @cached_property
+    def parts(self) -> list[slice]:
+        """Where each block's part of a vector is."""
+        return _slices(block.shape[1] for block in self.blocks)
+
+    def __matmul__(self, y: Floats) -> Floats:
+        return np.concatenate([block @ y[part] for block, part in zip(self.blocks, self.parts, strict=True)])
+
+
+def norm(vector: Floats) -> float:
+    """The Euclidean norm."""
+    return math.sqrt(vector @ vector)
+
+
+def _slices(sizes: Iterable[int]) -> list[slice]:
+    """The places of parts of the given sizes, one after another."""
+    ends = list(itertools.accumulate(sizes, initial=0))
+    return [slice(*pair) for pair in itertools.pairwise(ends)]
+
+
+def _starts(parts: Sequence[Floats]) -> NDArray[np.intp]:
+    """Where each of the parts begins."""
+    return np.array([part.start for part in _slices(map(len, parts))])

@@ -1,0 +1,139 @@
+"""Where a run starts: the iterate u⁰ and, for the two-point methods, the one before it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..base.arrays import Floats
+from ..field import evaluate
+from .state import State
+
+if TYPE_CHECKING:
+    from ..interface.discretise import Interface
+    from ..local.assembled import AssembledProblem
+    from .ensemble import Ensemble
+
+
+#: How often the layers' secant stiffnesses are found anew: then a stack's contacts share a force to a few parts in ten.
+SECANTS = 2
+
+
+#: u_n at the contact points: a number or a function of the coordinates x (dim, n).
+Given = float | Callable[[Floats], Floats]
+
+
+def from_displacements(ensemble: Ensemble, displacements: Callable[[str], Floats]) -> State:
+    """Go on from the displacements (dofs,) of the same bodies, by their names, such as a solution has them."""
+    parts = []
+    for problem in ensemble.problems:
+        displacement = displacements(problem.body.name)
+        if len(displacement) != problem.body.dofs:
+            raise ValueError(
+                f"start = a solution: its body {problem.body.name!r} has {len(displacement)} displacement components; "
+                f"expected {problem.body.dofs}"
+            )
+        parts.append(problem.restrict(displacement))
+    return _state(ensemble, parts)
+
+
+def from_contacts(ensemble: Ensemble, u_n: Given, previous: Given | None) -> State:
+    """u_n at all contact points (length) and, if given, that of the iterate before; the inside in equilibrium."""
+    given = {index: _at_points("start", u_n, interface) for index, interface in enumerate(ensemble.interfaces)}
+    state = _state(ensemble, [problem.start(given) for problem in ensemble.problems])
+    if previous is not None:
+        state.previous_gaps = [i.gap - 2.0 * _at_points("previous", previous, i) for i in ensemble.interfaces]
+    return state
+
+
+def undeformed(ensemble: Ensemble) -> State:
+    """No displacement but the prescribed ones."""
+    return _state(ensemble, [np.zeros(ensemble.size)])
+
+
+def together(ensemble: Ensemble) -> State:
+    """No deformation, but bodies are carried along by what is prescribed, and those that float are moved until their
+    contacts are about as closed as the loads want, or as evenly pressed as prescribed displacements leave them.
+
+    Linear least-squares problems for the rigid motions; those that springs resist are left alone.
+    """
+    motions, compressions = ensemble.rigid, _compressions(ensemble)
+    floating = ~np.any(motions.springs, axis=0)
+    prescribed = any(problem.space.has_offset for problem in ensemble.problems)
+    if not np.any(floating) or not (prescribed or np.any(compressions)):
+        return undeformed(ensemble)
+    carried = np.concatenate([_carried(problem) for problem in ensemble.problems])
+    contacts = list(zip(ensemble.interfaces, ensemble.gaps(carried), compressions, strict=True))
+    wanted = np.concatenate([np.sqrt(i.weights) * (z.min() - w) for i, z, w in contacts])
+    closing = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
+
+    def moved(stiffnesses: Floats) -> State:
+        roots = np.sqrt(np.repeat(stiffnesses, [len(z) for _, z, _ in contacts]))
+        coefficients = np.linalg.lstsq(roots[:, None] * closing, roots * wanted, rcond=1e-10)[0]
+        return _state(ensemble, [carried + motions.modes[:, floating] @ coefficients])
+
+    state = moved(np.ones(len(contacts)))
+    for _ in range(SECANTS if prescribed else 0):
+        state = moved(_secant_stiffnesses(ensemble, state))
+    return state
+
+
+def closed(ensemble: Ensemble) -> State:
+    """Every contact closed evenly, until where its gap is smallest it carries the largest mean load of a body.
+
+    Bodies that float need such a start: with all contacts open nothing would hold them.
+    """
+    given = {
+        index: np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
+        for index, (interface, w) in enumerate(zip(ensemble.interfaces, _compressions(ensemble), strict=True))
+    }
+    return _state(ensemble, [problem.start(given) for problem in ensemble.problems])
+
+
+def _at_points(name: str, value: Given, interface: Interface) -> Floats:
+    """A number or a function of the coordinates x (dim, n) at the points of an interface."""
+    return evaluate(name, value, interface.x.T)
+
+
+def _compressions(ensemble: Ensemble) -> list[float]:
+    """w of every contact under the largest mean load of a body."""
+    stress = max(_mean_contact_stress(ensemble, problem) for problem in ensemble.problems)
+    return [float(interface.contact.layer.compression(-stress)) for interface in ensemble.interfaces]
+
+
+def _mean_contact_stress(ensemble: Ensemble, problem: AssembledProblem) -> float:
+    """The resultant of a body's loads over the area of its contacts."""
+    area = sum(float(ensemble.interfaces[port.interface].weights.sum()) for port in problem.ports)
+    resultant = problem.full_load.reshape(-1, problem.body.mesh.dim).sum(axis=0)
+    return float(np.linalg.norm(resultant)) / area
+
+
+def _carried(problem: AssembledProblem) -> Floats:
+    """The unknowns of a body that what is prescribed on it carries along, as far as it can, as if it were rigid."""
+    space = problem.space
+    if not space.has_offset:
+        return np.zeros(problem.size)
+    modes = problem.body.rigid_modes()
+    *prevented, prescribed = space.prevented(np.column_stack([modes, space.offset])).T
+    return problem.restrict(modes @ np.linalg.lstsq(np.transpose(prevented), prescribed, rcond=1e-10)[0])
+
+
+def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:
+    """p/w of every layer where it is compressed most, (interfaces,): springs like that in a row share a force."""
+    depths = np.array([max(-float(z.min()), 0.0) for z in state.gaps])
+    if not np.any(depths):
+        return np.ones(len(depths))
+    layers = [interface.contact.layer for interface in ensemble.interfaces]
+    pressures = np.array([-float(layer.contact_stress(-w)) for layer, w in zip(layers, depths, strict=True)])
+    typical = np.full(len(depths), pressures.max() / depths.max())
+    secants = np.divide(pressures, depths, out=typical, where=depths > 0.0)
+    return np.maximum(secants, 1e-12 * secants.max())
+
+
+def _state(ensemble: Ensemble, parts: list[Floats]) -> State:
+    """The iterate with these unknowns, given by body or all together."""
+    y = np.concatenate(parts)
+    gaps = ensemble.gaps(y)
+    return State(y, ensemble.deformation(y), gaps, gaps)

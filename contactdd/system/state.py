@@ -1,0 +1,26 @@
+"""An iterate of all bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..base.arrays import Floats
+
+#: A Robin coefficient φ at the points of every interface, by the interfaces' places.
+Phi = Mapping[int, Floats]
+
+
+@dataclass
+class State:
+    """An iterate.
+
+    unknowns: (unknowns,) of all bodies; deformation: (unknowns,) the same without the rigid motions of floating bodies,
+    which may be so much larger that their rounding alone would look like a force; gaps, previous_gaps: z^k, z^{k−1} of
+    every interface.
+    """
+
+    unknowns: Floats
+    deformation: Floats
+    gaps: list[Floats]
+    previous_gaps: list[Floats]
