@@ -167,33 +167,48 @@ class Solution:
         They sum to zero. In a body of revolution they are those of the full ring, on which radial forces sum to zero.
         """
         place = self._place(body)
-        problem, owner = self._ensemble.problems[place], self.scene.bodies[place]
+        owner = self.scene.bodies[place]
+        parts = self._nodal_forces(place)
+        return {name: owner.kinematics.resultant(v.reshape(-1, owner.mesh.dim)) for name, v in parts.items()}
+
+    def _nodal_forces(self, place: int) -> dict[str, Floats]:
+        """The forces on a body at all its degrees of freedom, (dofs,) each."""
+        problem = self._ensemble.problems[place]
         loads, contact, fields = problem.full_load, self._contact_load(place), self._fields[place]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
         supports = supports - problem.space.extended(problem.space.restricted(supports)) - fields.spring_forces
-        parts = {"loads": loads, "contact": contact, "supports": supports}
-        return {name: owner.kinematics.resultant(v.reshape(-1, owner.mesh.dim)) for name, v in parts.items()}
+        return {"loads": loads, "contact": contact, "supports": supports}
 
     @cached_property
     def imbalance(self) -> float:
-        """The largest force on a body that nothing balances, relative to the largest force at work."""
-        sums, largest = [], 0.0
-        for body in self.scene.bodies:
-            forces = self.forces(body)
-            sums.append(np.linalg.norm(sum(forces.values())))
-            largest = max(largest, *(float(np.linalg.norm(force)) for force in forces.values()))
-        return float(max(sums) / largest) if largest > 0.0 else 0.0
+        """The largest resultant on a body that nothing balances, relative to the largest force at work on one.
+
+        A force at work is the sum of the magnitudes of its nodal forces: where it balances itself, as in a press fit,
+        its resultant is rounding.
+        """
+        sums, sizes = [0.0], [0.0]
+        for place, body in enumerate(self.scene.bodies):
+            forces = [force.reshape(-1, body.mesh.dim) for force in self._nodal_forces(place).values()]
+            sums.append(float(np.linalg.norm(body.kinematics.resultant(sum(forces)))))
+            sizes += [float(np.linalg.norm(force, axis=1).sum()) for force in forces]
+        largest = float(np.max(sizes))  # not a number where one of them is
+        return float(np.max(sums)) / largest if largest != 0.0 else 0.0
 
     @cached_property
     def residual(self) -> float:
-        """‖F₁'(u)‖ over all free displacements relative to the loads and contact forces, found from the fields anew."""
-        total = scale = 0.0
+        """‖F₁'(u)‖ over all free displacements relative to the forces at work there, found from the fields anew.
+
+        The forces at work are those that `solve` compares with, √(‖loads‖² + ‖contact forces‖²); where nothing is at
+        work at all, ‖F₁'(u)‖ itself is returned.
+        """
+        total = contacts = 0.0
         for place, problem in enumerate(self._ensemble.problems):
             contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
             total += float(np.sum(problem.space.restricted(problem.full_load + contact - elastic) ** 2))
-            scale += float(problem.full_load @ problem.full_load + contact @ contact)
-        return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
+            contacts += float(np.sum(problem.space.restricted(contact) ** 2))
+        scale = self._ensemble.at_work(float(np.sqrt(contacts)))
+        return float(np.sqrt(total)) / scale if scale != 0.0 else float(np.sqrt(total))
 
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
         """Pressure and gap along a contact: a matplotlib figure."""

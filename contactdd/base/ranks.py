@@ -77,6 +77,10 @@ class Ranks:
             raise failed
         return value
 
+    def any_says(self, reason: str) -> str:
+        """What the ranks say: the first text that is not empty, "" where there is none. All have to ask."""
+        return reason if self.alone else next(filter(None, self.comm.allgather(reason)), "")
+
     def agree(self, value: T) -> T:
         """The first rank's value: what is decided by rounding must be decided once."""
         return value if self.alone else self.comm.bcast(value, root=0)

@@ -107,7 +107,8 @@ class AssembledProblem:
     def refreshed(self) -> AssembledProblem:
         """The same problem for the present loads and prescribed displacements; all matrices are shared."""
         other = copy(self)
-        other.space = replace(self.space, offset=admissible_space(self.body).offset)
+        now = admissible_space(self.body)
+        other.space = replace(self.space, offset=now.offset, carried=now.carried)
         if "ports" in vars(self):
             other.ports = [replace(port, offset=other.space.prescribed(port.side.trace)) for port in self.ports]
         other._set_loads()
@@ -116,10 +117,27 @@ class AssembledProblem:
     def _set_loads(self) -> None:
         """What follows from the loads and prescribed displacements."""
         self.full_load = load_vector(self.body)
-        offset = self.space.offset
-        prescribed = self.matrices.forces(offset) if self.space.has_offset else np.zeros_like(offset)
-        self.load = self.space.restricted(self.full_load - prescribed)
-        self.constant = float(0.5 * offset @ prescribed - self.full_load @ offset)
+        self.load = self.space.restricted(self.full_load)
+        self.constant = 0.0
+        if self.space.has_offset:
+            prescribed, twice = self._prescribed_forces()
+            self.load = self.load - prescribed
+            self.constant = 0.5 * twice - float(self.full_load @ self.space.offset)
+
+    def _prescribed_forces(self) -> tuple[Floats, float]:
+        """The forces of u₀ (unknowns,) and their work on it; its rigid motion meets no force but that of springs."""
+        straining, offset = self.space.straining, self.space.offset
+        forces = self.matrices.forces(straining)
+        work = float(straining @ forces)
+        modes, springs = self.motions[0], self.matrices.has_springs
+        answer = np.zeros(modes.shape[1])  # the work of springs on the free motions: that of stresses is rounding
+        if springs:
+            held = self.matrices.spring_forces(offset - straining)
+            work += float(straining @ held + (offset - straining) @ self.matrices.spring_forces(offset))
+            forces = forces + held
+            answer = modes.T @ self.space.restricted(self.matrices.spring_forces(offset))
+        forces = self.space.restricted(forces)
+        return forces + modes @ (answer - modes.T @ forces), work
 
     @cached_property
     def nodal_trace(self) -> scipy.sparse.csr_matrix:
@@ -172,9 +190,27 @@ class AssembledProblem:
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
         """What the solution tells of the body."""
-        u, deformed = self.displacement(y), self.displacement(deformation)
-        elastic = self.matrices.forces(deformed)
-        return Fields(u, elastic, self.matrices.spring_forces(u), 0.5 * float(deformed @ elastic))
+        u = self.displacement(y)
+        if not self.matrices.has_springs:
+            deformed = self._strained(deformation)
+            elastic = self.matrices.forces(deformed)
+            return Fields(u, elastic, np.zeros_like(u), 0.5 * float(deformed @ elastic))
+        # The springs answer the rigid motion as well, which is not part of the deformation.
+        (owner,) = self.rigid.owners
+        moved = self.body.rigid_modes() @ (owner.coefficients @ (self.rigid.modes.T @ y))
+        deformed = self._strained(deformation, self.space.restricted(self.matrices.spring_forces(moved)))
+        if self.space.carried is not None:
+            moved = moved + self.space.carried
+        springs = self.matrices.spring_forces(u)
+        elastic = self.matrices.forces(deformed) + self.matrices.spring_forces(moved)
+        return Fields(u, elastic, springs, 0.5 * float(deformed @ elastic + moved @ springs))
+
+    def _strained(self, deformation: Floats, springs: Floats | None = None) -> Floats:
+        """All degrees of freedom of a displacement without its rigid motion.
+
+        springs: (unknowns,) the forces of springs on that motion.
+        """
+        return self.space.extended(deformation) + self.space.straining
 
     def restrict(self, u: Floats) -> Floats:
         """The unknowns of the admissible displacement closest to u."""

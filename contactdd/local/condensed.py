@@ -117,6 +117,10 @@ class CondensedProblem(AssembledProblem):
     def displacement(self, y: Floats) -> Floats:
         return self._inner.displacement(self._inside.extended(y, self._inner.load))
 
+    def _strained(self, deformation: Floats, springs: Floats | None = None) -> Floats:
+        load = self._inner.load if springs is None else self._inner.load - springs
+        return self._inner._strained(self._inside.extended(deformation, load))
+
     def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
         unknowns = np.full(self.space.size, np.nan)  # the inside is not known, nor is what depends on it
         unknowns[self.kept] = y

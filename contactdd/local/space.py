@@ -6,7 +6,7 @@ Z has orthonormal columns. Mostly it only selects the free degrees of freedom; w
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -29,12 +29,16 @@ class AdmissibleSpace:
     """u = Z y + u₀.
 
     offset: (dofs,) u₀; free: (unknowns,) the degrees of freedom that Z selects, in order, or None where it mixes some;
-    mixing: then Z itself, (dofs, unknowns).
+    mixing: then Z itself, (dofs, unknowns); carried: (dofs,) the rigid motion in u₀, None where nothing is prescribed.
+
+    u₀ is what is prescribed, and a rigid motion elsewhere: the one that comes closest to what is prescribed. It meets
+    no elastic force, and y does not have to make up for it.
     """
 
     offset: Floats
     free: Indices | None
     mixing: scipy.sparse.csr_matrix | None = None
+    carried: Floats | None = None
 
     @cached_property
     def basis(self) -> scipy.sparse.csr_matrix:
@@ -59,6 +63,16 @@ class AdmissibleSpace:
     def has_offset(self) -> bool:
         """Whether anything else than zero is prescribed."""
         return bool(np.any(self.offset))
+
+    @property
+    def reach(self) -> float:
+        """The largest component of u₀."""
+        return float(np.abs(self.offset).max(initial=0.0)) if self.has_offset else 0.0
+
+    @property
+    def straining(self) -> Floats:
+        """The part of u₀ that is no rigid motion, (dofs,)."""
+        return self.offset if self.carried is None else self.offset - self.carried
 
     def extended(self, y: Floats) -> Floats:
         """Z y, (dofs,) or (dofs, n)."""
@@ -150,9 +164,19 @@ def admissible_space(body: Body) -> AdmissibleSpace:
                 tilted.setdefault(int(node), []).append((direction, float(value)))
     _refuse_open_axis(body, fixed)
     if not tilted:
-        return AdmissibleSpace(offset.ravel(), np.flatnonzero(~fixed))
+        return _carried_along(body, AdmissibleSpace(offset.ravel(), np.flatnonzero(~fixed)))
     blocks = {node: _node_space(body, fixed[node], offset[node], rows) for node, rows in tilted.items()}
-    return AdmissibleSpace(offset.ravel(), None, _assemble(fixed, blocks))
+    return _carried_along(body, AdmissibleSpace(offset.ravel(), None, _assemble(fixed, blocks)))
+
+
+def _carried_along(body: Body, space: AdmissibleSpace) -> AdmissibleSpace:
+    """The same displacements, u₀ with the rigid motion closest to what is prescribed (least squares)."""
+    if not space.has_offset:
+        return space
+    modes = body.rigid_modes()
+    *prevented, prescribed = space.prevented(np.column_stack([modes, space.offset])).T
+    carried = modes @ np.linalg.lstsq(np.transpose(prevented), prescribed, rcond=1e-10)[0]
+    return replace(space, offset=space.offset + space.extended(space.restricted(carried)), carried=carried)
 
 
 def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list[tuple[Floats, float]]) -> Floats:

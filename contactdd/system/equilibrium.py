@@ -11,24 +11,22 @@ import scipy
 
 from ..base.arrays import Floats
 from ..errors import LooseBodyError
-from ..local.rigid import RigidMotions
+from .ensemble import Ensemble
 
 #: Loads that are in balance cancel to rounding; this part of them leaves room for that and for no real load.
 BALANCED = 1e-9
 
 
-def unbounded_motion(loads: Floats, motions: RigidMotions) -> LooseBodyError | None:
-    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion.
-
-    loads: on the unknowns of all bodies, motions: their free rigid motions.
-    """
+def unbounded_motion(ensemble: Ensemble) -> LooseBodyError | None:
+    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion."""
+    motions = ensemble.rigid
     count = motions.modes.shape[1]
-    if count == 0:
+    if count == 0 or ensemble.load_size == 0.0:
         return None
     # Motions that springs resist are no way out.
     free = scipy.linalg.null_space(motions.elastic, rcond=1e-12) if np.any(motions.elastic) else np.eye(count)
-    work = free.T @ motions.modes.T @ loads
-    if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * np.linalg.norm(loads):
+    work = free.T @ _work_of_loads(ensemble)
+    if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * ensemble.load_size:
         return None
     closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
     work, closes = work / np.abs(work).max(), closes / np.abs(closes).max(initial=np.finfo(float).tiny)
@@ -41,6 +39,14 @@ def unbounded_motion(loads: Floats, motions: RigidMotions) -> LooseBodyError | N
     if not found.success or -found.fun < 1e-6:
         return None
     return motions.loose(free @ _least_motion(work, closes, found.x))
+
+
+def _work_of_loads(ensemble: Ensemble) -> Floats:
+    """The work of the loads on the bodies' free rigid motions, (motions,); stresses and what is prescribed do none."""
+    parts = []
+    for problem, owner in zip(ensemble.problems, ensemble.rigid.owners, strict=True):
+        parts.append(owner.coefficients.T @ (problem.body.rigid_modes().T @ problem.full_load))
+    return np.concatenate(parts)
 
 
 def _least_motion(work: Floats, closes: Floats, motion: Floats) -> Floats:

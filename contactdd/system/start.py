@@ -49,7 +49,7 @@ def from_contacts(ensemble: Ensemble, u_n: Given, previous: Given | None) -> Sta
 
 
 def undeformed(ensemble: Ensemble) -> State:
-    """No displacement but the prescribed ones."""
+    """No displacement but the prescribed ones, and the rigid motions along which they carry their bodies."""
     return _state(ensemble, [np.zeros(ensemble.size)])
 
 
@@ -64,15 +64,14 @@ def together(ensemble: Ensemble) -> State:
     prescribed = any(problem.space.has_offset for problem in ensemble.problems)
     if not np.any(floating) or not (prescribed or np.any(compressions)):
         return undeformed(ensemble)
-    carried = np.concatenate([_carried(problem) for problem in ensemble.problems])
-    contacts = list(zip(ensemble.interfaces, ensemble.gaps(carried), compressions, strict=True))
+    contacts = list(zip(ensemble.interfaces, ensemble.gaps(np.zeros(ensemble.size)), compressions, strict=True))
     wanted = np.concatenate([np.sqrt(i.weights) * (z.min() - w) for i, z, w in contacts])
     closing = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
 
     def moved(stiffnesses: Floats) -> State:
         roots = np.sqrt(np.repeat(stiffnesses, [len(z) for _, z, _ in contacts]))
         coefficients = np.linalg.lstsq(roots[:, None] * closing, roots * wanted, rcond=1e-10)[0]
-        return _state(ensemble, [carried + motions.modes[:, floating] @ coefficients])
+        return _state(ensemble, [motions.modes[:, floating] @ coefficients])
 
     state = moved(np.ones(len(contacts)))
     for _ in range(SECANTS if prescribed else 0):
@@ -85,11 +84,24 @@ def closed(ensemble: Ensemble) -> State:
 
     Bodies that float need such a start: with all contacts open nothing would hold them.
     """
+    if any(problem.space.has_offset for problem in ensemble.problems):
+        return _closed_where_carried(ensemble)
     given = {
         index: np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
         for index, (interface, w) in enumerate(zip(ensemble.interfaces, _compressions(ensemble), strict=True))
     }
     return _state(ensemble, [problem.start(given) for problem in ensemble.problems])
+
+
+def _closed_where_carried(ensemble: Ensemble) -> State:
+    """The same from where prescribed displacements carry the bodies, or press them closer."""
+    there, compressions = together(ensemble), _compressions(ensemble)
+    approach = [max(0.5 * (float(z.min()) - w), 0.0) for z, w in zip(there.gaps, compressions, strict=True)]
+    parts = []
+    for problem, y in zip(ensemble.problems, ensemble.split(there.unknowns), strict=True):
+        given = {port.interface: port.trace @ y + port.offset + approach[port.interface] for port in problem.ports}
+        parts.append(problem.start(given))
+    return _state(ensemble, parts)
 
 
 def _at_points(name: str, value: Given, interface: Interface) -> Floats:
@@ -108,16 +120,6 @@ def _mean_contact_stress(ensemble: Ensemble, problem: AssembledProblem) -> float
     area = sum(float(ensemble.interfaces[port.interface].weights.sum()) for port in problem.ports)
     resultant = problem.full_load.reshape(-1, problem.body.mesh.dim).sum(axis=0)
     return float(np.linalg.norm(resultant)) / area
-
-
-def _carried(problem: AssembledProblem) -> Floats:
-    """The unknowns of a body that what is prescribed on it carries along, as far as it can, as if it were rigid."""
-    space = problem.space
-    if not space.has_offset:
-        return np.zeros(problem.size)
-    modes = problem.body.rigid_modes()
-    *prevented, prescribed = space.prevented(np.column_stack([modes, space.offset])).T
-    return problem.restrict(modes @ np.linalg.lstsq(np.transpose(prevented), prescribed, rcond=1e-10)[0])
 
 
 def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:
