@@ -16,8 +16,8 @@ class Record:
     iteration: k + 1; gamma: γ^k; change: the largest over the bodies of ‖u_n^{k+1} − u_n^k‖₂ / ‖u_n^{k+1}‖₂, at the
     nodes of the contacts where it is the stopping rule, as in the paper, else at their points;
     residual: ‖F₁'(u^{k+1})‖ relative to the forces at work; energy: F₁(u^{k+1}); contact: the area where z^{k+1} < 0,
-    all of the iterate that it ends with; phi_min, phi_max: the range of φ^k; body_solves: solves of single bodies so far; seconds: CPU time since the start;
-    note: what the method decided.
+    all of the iterate that it ends with; phi_min, phi_max: the range of φ^k; body_solves: solves of single bodies so
+    far; seconds: CPU time since the start; note: what the method decided.
     """
 
     iteration: int

@@ -107,7 +107,7 @@ def solve(
     solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
         if ending.escape is not None:
-            raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution)
+            raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution, ending.escape.advice)
         raise NotConvergedError(ending.status, ending.reason, solution)
     return solution
 

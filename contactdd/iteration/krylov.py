@@ -14,6 +14,11 @@ from ..system.ensemble import Ensemble
 from ..system.state import Phi
 
 
+#: Steps in which the preconditioned residual may rise before it falls again. It is the energy that falls with every
+#: step: under multigrid of elements of high degree, or nearly incompressible, the residual rises for more than 25 steps.
+PATIENCE = 100
+
+
 class Krylov:
     """The coupled system by conjugate gradients, preconditioned by the bodies' own solves and a coarse space.
 
@@ -93,14 +98,15 @@ def deflated_conjugate_gradients(
     start: Floats,
     reduction: float,
     most: int = 500,
-    patience: int = 25,
+    patience: int = PATIENCE,
 ) -> Floats:
     """The solution of a positive (semi)definite system whose coarse part `start` has solved already.
 
     apply: the matrix times a vector; project: takes the coarse space out of a search direction. Ends when the
     preconditioned residual has fallen to the part `reduction` of what it was at the start, or for `patience` steps not
     at all, as where only rounding is left; every iterate lowers the energy, so that it is a descent direction whenever
-    it ends.
+    it ends. So the last iterate is returned also where the residual never fell below that of the start, and else the
+    one with the smallest.
     """
     solution, residual = start.copy(), rhs - apply(start)
     preconditioned = precondition(residual)
@@ -124,7 +130,7 @@ def deflated_conjugate_gradients(
         preconditioned = precondition(residual)
         square, before = residual @ preconditioned, square
         direction = project(preconditioned) + (square / before) * direction
-    return solution if square < smallest else best
+    return solution if square < smallest or best_at == 0 else best
 
 
 def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:

@@ -108,7 +108,9 @@ class Multigrid:
         arrays = (full.indptr.astype(PETSc.IntType), full.indices.astype(PETSc.IntType), full.data)
         self._matrix = PETSc.Mat().createAIJ(full.shape, bsize=dim, csr=arrays, comm=PETSc.COMM_SELF)
         self._matrix.setOption(PETSc.Mat.Option.SPD, True)
-        orthonormal = np.linalg.qr(problem.body.rigid_modes())[0]
+        body = problem.body
+        motions = body.kinematics.mesh_motions(body.space.tabulate_dof_coordinates())
+        orthonormal = np.linalg.qr(motions.reshape(-1, motions.shape[2]))[0]
         vectors = [PETSc.Vec().createWithArray(column.copy(), comm=PETSc.COMM_SELF) for column in orthonormal.T]
         self._matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=vectors, comm=PETSc.COMM_SELF))
         self._pc = PETSc.PC().create(PETSc.COMM_SELF)

@@ -24,6 +24,11 @@ if TYPE_CHECKING:
 SMALL = 2**14
 
 
+#: Prescribed displacements that differ from a rigid motion by no more than this part of them are one: the rounding of a
+#: least-squares fit, and of functions that users write.
+RIGID = 1e-13
+
+
 @dataclass(frozen=True)
 class AdmissibleSpace:
     """u = Z y + u₀.
@@ -176,7 +181,10 @@ def _carried_along(body: Body, space: AdmissibleSpace) -> AdmissibleSpace:
     modes = body.rigid_modes()
     *prevented, prescribed = space.prevented(np.column_stack([modes, space.offset])).T
     carried = modes @ np.linalg.lstsq(np.transpose(prevented), prescribed, rcond=1e-10)[0]
-    return replace(space, offset=space.offset + space.extended(space.restricted(carried)), carried=carried)
+    offset = space.offset + space.extended(space.restricted(carried))
+    if np.abs(offset - carried).max() <= RIGID * np.abs(offset).max():
+        carried = offset  # what is left would only be the rounding of the fit
+    return replace(space, offset=offset, carried=carried)
 
 
 def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list[tuple[Floats, float]]) -> Floats:
