@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -13,10 +14,14 @@ from ..local.problem import Solver
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
 
-
 #: Steps in which the preconditioned residual may rise before it falls again. It is the energy that falls with every
-#: step: under multigrid of elements of high degree, or nearly incompressible, the residual rises for more than 25 steps.
+#: step: under multigrid of elements of high degree, or nearly incompressible, the residual rises for more than 25.
 PATIENCE = 100
+
+
+#: The same where all these steps together lower the energy by less than the part NO_GAIN of it: the error in the
+#: energy's norm is then some 1e-7, far below what a Newton correction needs.
+IMPATIENCE, NO_GAIN = 25, 1e-14
 
 
 class Krylov:
@@ -105,8 +110,7 @@ def deflated_conjugate_gradients(
     apply: the matrix times a vector; project: takes the coarse space out of a search direction. Ends when the
     preconditioned residual has fallen to the part `reduction` of what it was at the start, or for `patience` steps not
     at all, as where only rounding is left; every iterate lowers the energy, so that it is a descent direction whenever
-    it ends. So the last iterate is returned also where the residual never fell below that of the start, and else the
-    one with the smallest.
+    it ends. `patience` is shorter where the energy no longer falls, for then only rounding is left.
     """
     solution, residual = start.copy(), rhs - apply(start)
     preconditioned = precondition(residual)
@@ -115,22 +119,27 @@ def deflated_conjugate_gradients(
     # Rounding of the coarse solve is all that is left where the coarse space holds the solution.
     goal = max(square * reduction**2, 1e-28 * abs(rhs @ start))
     best, best_at, smallest = solution.copy(), 0, square
+    energy, gains = abs(rhs @ start), [math.inf] * IMPATIENCE
     for step in range(most):
         if square < smallest:
             best, best_at, smallest = solution.copy(), step, square
         if square <= goal or step - best_at >= patience:
+            break
+        if step - best_at >= IMPATIENCE and sum(gains[-IMPATIENCE:]) <= NO_GAIN * energy:
             break
         image = apply(direction)
         curvature = direction @ image
         if curvature <= 0.0:  # nothing but rounding is left
             break
         length = square / curvature
+        gains.append(length * square)
+        energy += gains[-1]
         solution += length * direction
         residual -= length * image
         preconditioned = precondition(residual)
         square, before = residual @ preconditioned, square
         direction = project(preconditioned) + (square / before) * direction
-    return solution if square < smallest or best_at == 0 else best
+    return solution if square < smallest else best
 
 
 def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:

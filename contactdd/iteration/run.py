@@ -32,6 +32,15 @@ Observer = Callable[[Record], bool]
 ABSURD = 100.0
 
 
+#: The rounding of a sum of some hundred elastic forces, as a part of their size; and the largest residual that may be
+#: taken for it.
+ROUNDING, SMALL = 2e-15, 1e-8
+
+
+#: How often a step that the energy watches over is halved where it would end at a law's pole.
+SHORTER = 4
+
+
 #: A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
 RIGID = 1e8
 
@@ -101,10 +110,12 @@ class Run:
             distance = rule.distance(found.residual, last)
             reached = f"residual {found.residual:.2e}" + (f", change {last.change:.2e}" if last else "")
             if distance <= 1.0:
-                return self._arrived(f"{reached} after {k} iterations", found.residual * found.scale)
+                return self._arrived(f"{reached} after {k} iterations", found)
             if distance < PROGRESS * best:
                 best, best_at = distance, k
             elif k - best_at >= rule.patience:
+                if rule.criterion == "residual" and self._only_rounding(found):
+                    return self._arrived(f"{reached}, which is rounding of far larger elastic forces", found)
                 return self._ending("stalled", f"no progress in {rule.patience} iterations: {reached}")
             if k >= rule.most:
                 break
@@ -166,9 +177,7 @@ class Run:
         else:
             step, restart = self._accelerated(correction, forces, length)
             note = ", ".join(filter(None, (note, restart)))
-        step = self._ranks.agree(step)
-        state = self._moved(step)
-        found = self._measured(state)
+        step, state, found = self._next(self._ranks.agree(step), survive)
         record = Record(
             iteration=k,
             gamma=length,
@@ -184,6 +193,20 @@ class Run:
         )
         self.state = state
         return record, found
+
+    def _next(self, step: Floats, guarded: bool) -> tuple[Floats, State, Measured]:
+        """The step, the iterate after it and its forces.
+
+        guarded: whether a shorter step will do where the forces would be no numbers, as at a law's pole.
+        """
+        for _ in range(SHORTER if guarded else 0):
+            state = self._moved(step)
+            try:
+                return step, state, self._measured(state)
+            except NotANumberError:
+                step = 0.5 * step
+        state = self._moved(step)
+        return step, state, self._measured(state)
 
     def _contact_area(self, state: State) -> float:
         """The area where z < 0."""
@@ -259,9 +282,10 @@ class Run:
         """Anderson's step, or the best plain one where that would raise the energy."""
         energy = self.history[-1].energy if len(self.history) else self._energy(self.state, forces)
         step = self.anderson.step(self.state.unknowns, correction, gamma)
-        reached = self.ensemble.energy(self._moved(step))
-        # Near the solution energies differ by less than their own rounding.
-        if np.isfinite(reached) and reached <= energy + 1e-12 * abs(energy):
+        moved = self._moved(step)
+        reached = self.ensemble.energy(moved)
+        # Near the solution energies differ by less than their own rounding. At a law's pole energies may be finite.
+        if reached <= energy + 1e-12 * abs(energy) and math.isfinite(float(self.ensemble.tractions(moved).sum())):
             return step, ""
         self.anderson.restart()
         return self._search(correction, forces) * correction, "restarted: the energy would have risen"
@@ -318,8 +342,17 @@ class Run:
         # False also of what is not a number; true where supports hold all that the contacts touch.
         return bool(np.abs(self.state.unknowns).max(initial=0.0) < self._furthest)
 
-    def _arrived(self, reason: str, residual: float) -> Termination:
-        """The end of a run that has met its rule; residual: ‖F₁'‖, not relative.
+    def _only_rounding(self, found: Measured) -> bool:
+        """Whether the residual of a run that stands still is small, and the rounding of its elastic forces.
+
+        A body that is bent a lot and pressed a little has elastic forces so large that they cancel no better.
+        """
+        parts = zip(self.ensemble.problems, self.ensemble.split(self.state.deformation), strict=True)
+        elastic = math.hypot(norm(self.ensemble.load), *(p.rigid.largest * norm(d) for p, d in parts))
+        return found.residual <= SMALL and found.residual * found.scale <= ROUNDING * elastic
+
+    def _arrived(self, reason: str, found: Measured) -> Termination:
+        """The end of a run that has met its rule.
 
         Along a motion that lowers the energy for ever contact forces do no negative work. So the residual is at least
         what the loads do there, and a small one excludes such a motion; a coarse rule has to ask for it.
@@ -329,7 +362,7 @@ class Run:
                 self._energy(self.state, self.ensemble.forces(self.state))
             except NotANumberError as error:
                 return Termination("diverged", f"{error} at the start")
-        if residual <= BALANCED * self.ensemble.load_size:
+        if found.residual * found.scale <= BALANCED * self.ensemble.load_size:
             return Termination("converged", reason)
         return self._ending("converged", reason)
 

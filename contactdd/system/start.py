@@ -118,7 +118,8 @@ def _compressions(ensemble: Ensemble) -> list[float]:
 def _mean_contact_stress(ensemble: Ensemble, problem: AssembledProblem) -> float:
     """The resultant of a body's loads over the area of its contacts."""
     area = sum(float(ensemble.interfaces[port.interface].weights.sum()) for port in problem.ports)
-    resultant = problem.full_load.reshape(-1, problem.body.mesh.dim).sum(axis=0)
+    moving = problem.space.extended(problem.space.restricted(problem.full_load))  # loads on what is held press nothing
+    resultant = moving.reshape(-1, problem.body.mesh.dim).sum(axis=0)
     return float(np.linalg.norm(resultant)) / area
 
 
