@@ -46,7 +46,7 @@ PAPER = {  # γ: iterations of I, II, III; None where the method does not conver
     1.0: (None, None, None),
 }
 #: Entries (column, γ) at a limit of convergence that fall on its other side here: I converges up to γ = 0.62029 and III
-#: up to 0.76112, the paper's up to somewhere in (0.6205, 0.6206) and (0.76, 0.761). The limits move by 1e-4 to 4e-4 with
+#: up to 0.76112, the paper's up to somewhere in (0.6205, 0.6206) and (0.76, 0.761). The limits move by 1e-4 to 4e-4 by
 #: the cells' diagonals and the contacts' rule (I 0.62012 to 0.62045, III 0.76095 to 0.76130 over all that were tried).
 OTHER_SIDE = (("I", 0.6205), ("III", 0.761))
 #: Entries with another count: 109 for 108 twice, 11 for 12, 127 for 134 and 3197 for 3198.
