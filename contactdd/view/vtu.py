@@ -77,7 +77,8 @@ def write_series(path: Path, entries: Sequence[SeriesEntry]) -> Path:
 
 
 def _write(path: Path, kind: str, parts: Sequence[str]) -> Path:
-    head = f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">'
+    # Files before 2.2 have the edges of hexahedra of higher degree in another order.
+    head = f'<VTKFile type="{kind}" version="2.2" byte_order="LittleEndian" header_type="UInt64">'
     text = "\n".join(['<?xml version="1.0"?>', head, f"<{kind}>", *parts, f"</{kind}>", "</VTKFile>", ""])
     path.write_text(text, encoding="utf-8")
     return path
