@@ -59,16 +59,37 @@ class SurfaceResult:
 
     @property
     def edge(self) -> Floats:
-        """The facets' sides between contact and none, (e, 2, 3): the edge of contact in space, as fine as the facets.
+        """The edge of contact in space as line segments, (e, 2, 3): where the gap is zero between facets.
 
-        A facet is in contact if its mean gap is negative; the surface's own rim is not part of the edge.
+        The gap is taken as linear from each facet's middle, where it is the facet's mean, to its corners, where it is
+        the mean of the facets around. The surface's own rim is not part of the edge. (0, 2, dim) in the plane.
         """
-        corners = self.outlines.shape[1]
-        around = self.cells[:, :corners]
-        sides = np.stack([around, np.roll(around, -1, axis=1)], axis=2).reshape(-1, 2)
-        touching = np.repeat(np.nan_to_num(self.gap, nan=1.0) < 0.0, corners)
-        _, first, inverse, count = np.unique(
-            np.sort(sides, axis=1), axis=0, return_index=True, return_inverse=True, return_counts=True
-        )
-        closed = np.bincount(inverse.ravel(), touching)
-        return self.points[sides[first[(count == 2) & (closed == 1)]]]
+        outlines = self.outlines
+        if outlines.shape[2] == 2:
+            return np.zeros((0, 2, 2))
+        told = ~np.isnan(self.gap)
+        outlines, middle = outlines[told], self.gap[told]
+        nodes = self.cells[told][:, : outlines.shape[1]]
+        count = np.bincount(nodes.ravel(), minlength=len(self.points))
+        sums = np.bincount(nodes.ravel(), np.repeat(middle, nodes.shape[1]), minlength=len(self.points))
+        corner = sums[nodes] / count[nodes]
+        centre = np.broadcast_to(outlines.mean(axis=1)[:, None], outlines.shape)
+        triangles = np.stack([centre, outlines, np.roll(outlines, -1, axis=1)], axis=2).reshape(-1, 3, 3)
+        values = np.stack(
+            [np.broadcast_to(middle[:, None], corner.shape), corner, np.roll(corner, -1, axis=1)], axis=2
+        ).reshape(-1, 3)
+        return zero_lines(triangles, values)
+
+
+def zero_lines(triangles: Floats, values: Floats) -> Floats:
+    """The segments (m, 2, dim) where linear functions are zero, given at the corners of triangles (n, 3, dim): (n, 3)."""
+    negative = values < 0.0
+    alone = np.where(negative.sum(axis=1) == 1, np.argmax(negative, axis=1), np.argmin(negative, axis=1))
+    cut = np.flatnonzero(negative.any(axis=1) & ~negative.all(axis=1))
+    one = alone[cut]
+    ends = []
+    for other in ((one + 1) % 3, (one + 2) % 3):
+        near, far = values[cut, one], values[cut, other]
+        part = (near / (near - far))[:, None]
+        ends.append((1.0 - part) * triangles[cut, one] + part * triangles[cut, other])
+    return np.stack(ends, axis=1)

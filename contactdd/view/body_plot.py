@@ -26,6 +26,10 @@ CAMERAS = {
 }
 
 
+#: The same for the plane.
+FLAT = CAMERAS["top"]
+
+
 def plot_bodies(
     bodies: Sequence[BodyResult],
     *,
@@ -69,31 +73,34 @@ def plot_bodies(
     from .display import ensure_display
 
     component = normal_component(bodies) if component is None else check_choice("component", component, COMPONENTS)
-    direction = _direction(camera)
+    flat = bodies[0].dim == 2
+    direction = FLAT if flat else _direction(camera)
     zoom = positive("zoom", zoom)
     ensure_display()
     scale = visible_scale(bodies) if scale is None else scale
     name = with_unit(component if component == "displacement" else f"stress {component}", unit)
+    points = _in_space(np.vstack([body.drawn(scale) for body in bodies]))
     values = [shown(body, component) for body in bodies]
     limits, labels = (limits, 5) if limits is not None else round_limits(values)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     plotter.set_background("white")
-    flat = bodies[0].dim == 2
+    # Lines are drawn a little nearer to the eye than the surfaces that they are on, which moves nothing in the picture.
+    nearer = 1e-3 * float(np.ptp(points, axis=0).max()) * np.asarray(direction[0]) / np.linalg.norm(direction[0])
     for body, value in zip(bodies, values, strict=True):
         mesh = grid(body, body.drawn(scale))
         mesh.point_data[name] = value
         bar = _bar_arguments(name, labels)
         plotter.add_mesh(mesh, scalars=name, clim=limits, cmap=MAP, scalar_bar_args=bar, lighting=False)
-        plotter.add_mesh(_outline(mesh, flat), color="black", line_width=2)
+        plotter.add_mesh(_outline(mesh, flat).translate(nearer), color="black", line_width=2)
         if edges:
-            plotter.add_mesh(_cell_edges(mesh), color="black", line_width=1, opacity=0.5)
+            plotter.add_mesh(_cell_edges(mesh).translate(nearer), color="black", line_width=1, opacity=0.5)
         if undeformed:
             plotter.add_mesh(_outline(grid(body, body.points), flat), color="grey", line_width=1)
     plotter.add_text(
         title or f"displacements enlarged {scale:g} times", font_size=11, color="black", position="upper_edge"
     )
     plotter.add_axes(color="black", line_width=3, zlabel="" if flat else "z")
-    _look(plotter, flat, direction, zoom)
+    _look(plotter, points, direction, zoom)
     pixels = plotter.screenshot(return_img=True)
     plotter.close()
     picture = Picture(np.asarray(pixels)[:, :, :3])
@@ -107,8 +114,12 @@ def grid(body: BodyResult, points: Floats) -> Any:
     import pyvista
 
     cells = np.insert(body.cells, 0, body.cells.shape[1], axis=1).ravel()
-    in_space = np.pad(points, ((0, 0), (0, 3 - body.dim)))
-    return pyvista.UnstructuredGrid(cells, np.full(len(body.cells), body.cell_type, dtype=np.uint8), in_space)
+    return pyvista.UnstructuredGrid(cells, np.full(len(body.cells), body.cell_type, dtype=np.uint8), _in_space(points))
+
+
+def _in_space(points: Floats) -> Floats:
+    """Points (n, 2) of the plane or (n, 3) of space as points of space."""
+    return np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
 
 
 def shown(body: BodyResult, component: str) -> Floats:
@@ -168,24 +179,27 @@ def _outline(mesh: Any, flat: bool) -> Any:
 
 
 def _cell_edges(mesh: Any) -> Any:
-    return mesh.separate_cells().extract_surface(nonlinear_subdivision=0).extract_all_edges()
+    return mesh.extract_surface(nonlinear_subdivision=0).extract_all_edges()
 
 
-def _look(plotter: Any, flat: bool, direction: tuple[Any, Any], zoom: float) -> None:
-    """Let everything fit between the title and the scalar bar."""
+def _look(plotter: Any, points: Floats, direction: tuple[Any, Any], zoom: float) -> None:
+    """Let everything fit between the title and the scalar bar: seven tenths of the height, nine of the width."""
     plotter.enable_parallel_projection()
-    if not flat:
-        plotter.view_vector(direction[0], viewup=direction[1])
-        plotter.camera.zoom(0.85 * zoom)
-        return
-    x0, x1, y0, y1, *_ = plotter.bounds
+    towards = np.asarray(direction[0], dtype=float) / np.linalg.norm(direction[0])
+    right = np.cross(direction[1], towards)
+    right /= np.linalg.norm(right)
+    up = np.cross(towards, right)
+    seen = points @ np.stack([right, up]).T
+    low, high = seen.min(axis=0), seen.max(axis=0)
     width, height = plotter.window_size
-    # The drawing gets seven tenths of the window's height and nine of its width.
-    half = max((y1 - y0) / 0.7, (x1 - x0) / 0.9 * height / width) / (2 * zoom)
-    plotter.view_xy()
+    half = max((high[1] - low[1]) / 0.7, (high[0] - low[0]) / 0.9 * height / width) / (2 * zoom)
+    across, depth = (low + high) / 2 - [0.0, 0.1 * half], points @ towards
+    focus = across @ np.stack([right, up]) + depth.mean() * towards
+    plotter.camera.focal_point = focus
+    plotter.camera.position = focus + (np.ptp(depth) + 10 * half) * towards
+    plotter.camera.up = up
     plotter.camera.parallel_scale = half
-    focus = np.array([(x0 + x1) / 2, (y0 + y1) / 2 - 0.1 * half, 0.0])
-    plotter.camera.focal_point, plotter.camera.position = focus, focus + [0.0, 0.0, 10 * half]
+    plotter.renderer.ResetCameraClippingRange()
 
 
 def _bar_arguments(name: str, labels: int) -> dict[str, Any]:

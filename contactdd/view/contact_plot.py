@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ def plot_contact(
     surface: SurfaceResult | None,
     *,
     along: str | None = None,
+    about: Sequence[float] | None = None,
     show: str = "pressure",
     path: str | Path | None = None,
     stress_unit: str | None = None,
@@ -37,9 +39,10 @@ def plot_contact(
     Args:
         result: the contact's values at its points.
         surface: the first body's facets, which a map in space is drawn on.
-        along: what the curves are drawn over: "arc length", "x", "y", or in space "radius", the distance from the
-            centre of pressure. By default a coordinate where the contact lies along it, else the arc length in the
+        along: what the curves are drawn over: "arc length", "x", "y", or in space "radius", the distance from
+            `about`. By default a coordinate where the contact lies along it, else the arc length in the
             plane, and in space a map.
+        about: the point that a radius is counted from, by default the centre of pressure.
         show: what a map shows: "pressure", "gap" or "status".
         path: where it is also saved, vector formats included, by the file's ending.
         stress_unit, length_unit: for the labels.
@@ -53,7 +56,8 @@ def plot_contact(
     if dim == 3 and along is None and surface is not None:
         _draw_map(figure, surface, show, stress_unit, length_unit)
     else:
-        _draw_curves(figure, result, along or _natural(result), stress_unit, length_unit)
+        along = along or _natural(result)
+        _draw_curves(figure, result, along, place(result, along, about), stress_unit, length_unit)
     if path is not None:
         figure.savefig(path, dpi=150)
     return figure
@@ -68,26 +72,25 @@ def _natural(result: ContactResult) -> str:
     return "xy"[int(np.argmax(sizes))] if straight or result.corners is None else "arc length"
 
 
-def place(result: ContactResult, along: str) -> Floats:
+def place(result: ContactResult, along: str, about: Sequence[float] | None = None) -> Floats:
     """Where the points are along a contact, (n,), see `plot_contact`."""
     if along == "arc length":
         return result.arc_length
     if along == "radius":
-        centre = result.centre_of_pressure
+        centre = result.centre_of_pressure if about is None else np.asarray(about, dtype=float)
         return np.linalg.norm(result.x - np.where(np.isnan(centre), result.x.mean(axis=0), centre), axis=1)
     return result.x[:, "xy".index(along)]
 
 
-def _draw_curves(figure: Any, result: ContactResult, along: str, stress: str | None, length: str | None) -> None:
-    s = place(result, along)
+def _draw_curves(
+    figure: Any, result: ContactResult, along: str, s: Floats, stress: str | None, length: str | None
+) -> None:
     order = np.argsort(s, kind="stable")
     s, p, gap = s[order], result.pressure[order], result.gap[order]
-    lines = (
-        {"color": BLUE} if along != "radius" else {"color": BLUE, "linestyle": "none", "marker": ".", "markersize": 3}
-    )
+    lines = {"linestyle": "none", "marker": ".", "markersize": 2} if along == "radius" else {}
     top, bottom = figure.subplots(2, 1, sharex=True)
-    top.plot(s, p, **lines)
-    bottom.plot(s, gap, **(lines | {"color": RED}))
+    top.plot(s, p, color=BLUE, **lines)
+    bottom.plot(s, gap, color=RED, **lines)
     if along != "radius":
         top.fill_between(s, p, color=BLUE, alpha=0.15)
         bottom.fill_between(s, gap, 0.0, where=gap < 0.0, color=RED, alpha=0.15)
