@@ -200,6 +200,18 @@ class Solution:
             scale += float(problem.dofs.load @ problem.dofs.load + contact @ contact)
         return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
 
+    def normal_stiffness(self, contact: str | int | Contact = 0) -> float:
+        """The normal stiffness dF/dδ of a contact and its bodies, from the tangent (17) (force / length).
+
+        F is the contact force, δ by how much what holds the bodies comes together, which is to say by how much the gap
+        d shrinks everywhere; all loads stay. So it is that of the layer and of the bodies in series; zero where loads
+        alone fix the force. Raises LooseBodyError where the closed contacts leave a body free. On several ranks all
+        have to call it.
+        """
+        from .iteration.closing_stiffness import closing_stiffness
+
+        return closing_stiffness(self._ensemble, self.scene.ranks, self._state.gaps, self._contact_index(contact))
+
     @cached_property
     def strain_sizes(self) -> list[StrainSize]:
         """The largest strain and rotation of every body, in the order of the scene's bodies."""
@@ -255,7 +267,7 @@ class Solution:
         One .vtu file of each body in its own degree: displacement, stress as a symmetric tensor and von Mises stress at
         the nodes, where neighbouring cells' stresses are averaged, and each cell's mean. Of each contact one of its
         points, with the pressures and gaps of `contact`, and one of each surface's facets, with those of
-        `contact_surface`. On several ranks all have to call it; the first writes.
+        `contact_surface`; these also as text in contacts.xdmf. On several ranks all have to call it; the first writes.
         """
         from .view.export import export
 

@@ -82,7 +82,7 @@ class SurfaceResult:
 
 
 def zero_lines(triangles: Floats, values: Floats) -> Floats:
-    """The segments (m, 2, dim) where linear functions are zero, given at the corners of triangles (n, 3, dim): (n, 3)."""
+    """The segments (m, 2, dim) where linear functions, given at triangles' corners, are zero: (n, 3) on (n, 3, dim)."""
     negative = values < 0.0
     alone = np.where(negative.sum(axis=1) == 1, np.argmax(negative, axis=1), np.argmin(negative, axis=1))
     cut = np.flatnonzero(negative.any(axis=1) & ~negative.all(axis=1))

@@ -272,6 +272,43 @@ def test_old_names_still_work(uniform):
         assert uniform.contact().unmatched == (0.0, 0.0)
 
 
+def between_plates(closing: float, gap=0.0) -> cd.Scene:
+    """The two blocks between a fixed base and a plate that comes down by `closing`."""
+    low = cd.Body("low", cd.rectangle((0, 0), (4, 1), (16, 4)), STEEL, supports=[SIDES, cd.Fixed("bottom")], degree=2)
+    down = cd.Displacement("top", [None, -closing])
+    high = cd.Body("high", cd.rectangle((0, 1), (4, 2), (21, 4)), STEEL, supports=[SIDES, down])
+    return cd.Scene([low, high], [cd.Contact((low, "top"), (high, "bottom"), cd.PowerLayer(4e-6, 1.1), gap=gap)])
+
+
+def test_stiffness_of_columns():
+    """The layer and the two columns in series: δ = F/A (2/M) + B (F/A)^a, M the modulus of held sides."""
+    solution = cd.solve(between_plates(3e-4))
+    modulus = STEEL.E * (1 - STEEL.nu) / ((1 + STEEL.nu) * (1 - 2 * STEEL.nu))
+    p = solution.contact().mean_pressure
+    assert 2 * p / modulus + 4e-6 * p**1.1 == pytest.approx(3e-4, rel=1e-8)
+    compliance = 2 / modulus + 1.1 * 4e-6 * p**0.1
+    assert solution.normal_stiffness() == pytest.approx(4 / compliance, rel=1e-8)
+
+
+@pytest.mark.parametrize("local_solver", ["condensed", "multigrid"])
+def test_stiffness_is_the_slope_of_the_force(local_solver):
+    """With a groove that closes step by step, against central differences, by factors and by conjugate gradients."""
+
+    def force(closing):
+        scene = between_plates(closing, lambda x: 5e-4 * np.maximum(1 - (x[0] - 1.5) ** 2, 0) ** 1.5)
+        solution = cd.solve(scene, tolerance=1e-12, local_solver=local_solver)
+        return solution.contact().force, solution
+
+    (more, _), (less, _), (_, solution) = (force(closing) for closing in (3.001e-4, 2.999e-4, 3e-4))
+    # Differences over 7e-4 of δ err by its square times the curve's third derivative, and by a point that opens.
+    assert solution.normal_stiffness() == pytest.approx((more - less) / 2e-7, rel=1e-4)
+
+
+def test_loads_alone_leave_no_stiffness(uniform):
+    stiffness = uniform.normal_stiffness()
+    assert stiffness == pytest.approx(0.0, abs=1e-8 * 4 / (4e-6 * 1.1 * 10**0.1))  # the layer's own, by rounding
+
+
 def test_markup_in_names_is_text():
     solution = cd.solve(blocks(names=("<b>lower", "upper & <script>")))
     html = solution._repr_html_()

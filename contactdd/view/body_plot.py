@@ -85,7 +85,7 @@ def plot_bodies(
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
     plotter.set_background("white")
     # Lines are drawn a little nearer to the eye than the surfaces that they are on, which moves nothing in the picture.
-    nearer = 1e-3 * float(np.ptp(points, axis=0).max()) * np.asarray(direction[0]) / np.linalg.norm(direction[0])
+    nearer = 3e-3 * float(np.ptp(points, axis=0).max()) * np.asarray(direction[0]) / np.linalg.norm(direction[0])
     for body, value in zip(bodies, values, strict=True):
         mesh = grid(body, body.drawn(scale))
         mesh.point_data[name] = value

@@ -14,6 +14,7 @@ from ..body_result import BodyResult
 from ..contact_result import ContactResult
 from ..surface_result import SurfaceResult
 from .vtu import Grid, SeriesEntry, write_series
+from .xdmf import write_surfaces
 
 #: VTK's number of a vertex.
 VERTEX = 1
@@ -40,9 +41,11 @@ class Fields:
 
 
 def export(fields: Fields, folder: Path) -> list[Path]:
-    """The .vtu files written into a folder, which is made if missing."""
+    """The .vtu files written into a folder, which is made if missing, and contacts.xdmf."""
     folder.mkdir(parents=True, exist_ok=True)
-    return [grid.write(folder / f"{name}.vtu") for name, grid in fields.grids().items()]
+    written = [grid.write(folder / f"{name}.vtu") for name, grid in fields.grids().items()]
+    surfaces = [surface for *_, sides in fields.contacts for surface in sides]
+    return [*written, write_surfaces(folder / "contacts.xdmf", surfaces)]
 
 
 def export_series(steps: Sequence[tuple[Callable[[], Fields], ArrayLike]], folder: Path, name: str) -> list[Path]:
