@@ -77,6 +77,12 @@ class History:
         """The CSV file written, one line per iteration."""
         return write_csv(path, self.columns())
 
+    def plot(self, *, quantity: str = "residual", path: str | os.PathLike[str] | None = None) -> Any:
+        """A matplotlib figure of the "residual" or the "change" in every iteration, with the fitted rate."""
+        from .view.convergence_plot import plot_convergence
+
+        return plot_convergence({"": getattr(self, quantity)}, quantity=quantity, path=path)
+
     def table(self, last: int | None = None) -> str:
         """The (last) iterations as text."""
         rows = self._records if last is None else self._records[-last:]

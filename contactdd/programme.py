@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike
 from .base.arrays import Floats
 from .base.checks import check_choice
 from .base.table import frame, numbered_columns, write_csv
+from .body_result import BodyResult
+from .contact import Contact
 from .errors import ContactError, NotConvergedError
 from .parameter import Parameter
 from .scene import Scene
@@ -66,10 +68,43 @@ class LoadPath:
         """
         from .view.export import export_series
 
-        if not self.solutions:
-            raise ValueError("keep_solutions = False: this path kept no solutions that could be written")
-        steps = [(solution._exported, value) for solution, value in zip(self.solutions, self.values, strict=True)]
+        steps = [(solution._exported, value) for solution, value in zip(self._kept(), self.values, strict=True)]
         return self.solutions[0].scene.ranks.once(lambda: export_series(steps, Path(folder), name))
+
+    def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
+        """A matplotlib figure of a contact's pressure in every step; options: see `view.path_plot.plot_steps`."""
+        from .view.path_plot import plot_steps
+
+        return plot_steps([solution.contact(contact) for solution in self._kept()], self._labels(), **options)
+
+    def plot_bodies(self, **options: Any) -> Any:
+        """A matplotlib figure of the bodies of all steps beside each other, drawn alike.
+
+        Options: `columns`, `path`, and those of `Solution.plot_bodies`.
+        """
+        from .view.path_plot import plot_multiples
+
+        return plot_multiples(self._bodies(), self._labels(), **options)
+
+    def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
+        """The GIF written, one frame a step; options: `per_second`, and those of `Solution.plot_bodies`."""
+        from .view.path_plot import animate
+
+        return animate(self._bodies(), self._labels(), path, **options)
+
+    def _kept(self) -> list[Solution]:
+        """The solutions of the steps."""
+        if not self.solutions:
+            raise ValueError("keep_solutions = False: this path kept no solutions that could be shown or written")
+        return self.solutions
+
+    def _bodies(self) -> list[list[BodyResult]]:
+        return [[solution.body(body) for body in solution.scene.bodies] for solution in self._kept()]
+
+    def _labels(self) -> list[str]:
+        """Each step's number and the parameter's value."""
+        values = [", ".join(f"{number:g}" for number in np.ravel(value)) for value in self.values]
+        return [f"step {number}: {value}" for number, value in enumerate(values, 1)]
 
     def __len__(self) -> int:
         return len(self.values)

@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,6 @@ from .body_result import BodyResult, SurfaceFit
 from .contact_result import ContactResult
 from .history import History, Record
 from .surface_result import SurfaceResult
-
-if TYPE_CHECKING:
-    from .solution import Solution
 
 FORMAT = "contactdd solution"
 
@@ -36,7 +33,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class SavedSolution:
-    """What `load_solution` reads: the numbers of a solution, without the scene.
+    """The numbers of a solution without the scene, as plain data: what `load_solution` reads.
 
     Args:
         status, reason, method: as of the `Solution`.
@@ -111,38 +108,42 @@ class SavedSolution:
         raise ValueError(f"contact = {contact!r}: expected a place or one of {', '.join(map(repr, self.contacts))}")
 
 
-def save(solution: Solution, folder: Path) -> Path:
+def save(solution: SavedSolution, folder: Path) -> Path:
     """The folder written; it is made if missing, and an earlier solution in it is replaced."""
     folder.mkdir(parents=True, exist_ok=True)
-    bodies, contacts, arrays = [], [], {}
-    numbers = ("energy", "layer_energy", "residual", "imbalance", "largest_strain", "largest_rotation")
-    for place, body in enumerate(solution.scene.bodies):
-        result = solution.body(body)
-        entry = _taken_apart(result, f"body {place}", arrays, skip="fits")
-        for number, fit in enumerate(result.fits):
-            _taken_apart(fit, f"body {place} fit {number}", arrays)
-        resultants = {name: force.tolist() for name, force in solution.forces(body).items()}
-        bodies.append(entry | {"fits": len(result.fits), "forces": resultants})
-    for place, contact in enumerate(solution.scene.contacts):
-        entry = {"contact": _taken_apart(solution.contact(contact), f"contact {place}", arrays)}
-        for side in (0, 1):
-            surface = solution.contact_surface(contact, second=bool(side))
-            entry[f"surface {side}"] = _taken_apart(surface, f"surface {place} {side}", arrays)
-        contacts.append(entry | {"name": contact.name})
+    arrays: dict[str, NDArray] = {}
     description = {
         "format": FORMAT,
         "version": VERSION,
         "status": solution.status,
         "reason": solution.reason,
         "method": solution.method,
-        "numbers": {name: float(getattr(solution, name)) for name in numbers},
+        "numbers": dict(solution.numbers),
         "history": [asdict(record) for record in solution.history],
-        "bodies": bodies,
-        "contacts": contacts,
+        "bodies": [_body_told(solution, place, arrays) for place in range(len(solution.bodies))],
+        "contacts": [_contact_told(solution, place, name, arrays) for place, name in enumerate(solution.contacts)],
     }
     _replace(folder / ARRAYS, lambda file: np.savez_compressed(file, **arrays))
     _replace(folder / DESCRIPTION, lambda file: file.write(json.dumps(description, indent=1).encode()))
     return folder
+
+
+def _body_told(solution: SavedSolution, place: int, arrays: dict[str, NDArray]) -> dict[str, Any]:
+    """The description of one body; its arrays go into `arrays`."""
+    body = solution.bodies[place]
+    plain = _taken_apart(body, f"body {place}", arrays, skip="fits")
+    for number, fit in enumerate(body.fits):
+        _taken_apart(fit, f"body {place} fit {number}", arrays)
+    forces = {name: force.tolist() for name, force in solution.resultants[body.name].items()}
+    return plain | {"fits": len(body.fits), "forces": forces}
+
+
+def _contact_told(solution: SavedSolution, place: int, name: str, arrays: dict[str, NDArray]) -> dict[str, Any]:
+    """The description of one contact; its arrays go into `arrays`."""
+    told = {"name": name, "contact": _taken_apart(solution.contacts[name], f"contact {place}", arrays)}
+    for side, surface in enumerate(solution.surfaces[name]):
+        told[f"surface {side}"] = _taken_apart(surface, f"surface {place} {side}", arrays)
+    return told
 
 
 def load_solution(folder: str | os.PathLike[str]) -> SavedSolution:

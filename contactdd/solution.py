@@ -30,6 +30,7 @@ from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from .local.problem import Fields
+    from .saved import SavedSolution
     from .scene import Scene
     from .system.ensemble import Ensemble
     from .system.state import State
@@ -280,17 +281,35 @@ class Solution:
         """
         from .saved import save
 
-        return self.scene.ranks.once(lambda: save(self, Path(folder)))
+        return self.scene.ranks.once(lambda: save(self._plain(), Path(folder)))
 
     def _exported(self) -> ExportedFields:
-        """What is written of the solution."""
+        """What is written of the solution for ParaView."""
         from .view.export import Fields
 
-        contacts = [
-            (c.name, self.contact(c), (self.contact_surface(c), self.contact_surface(c, second=True)))
-            for c in self.scene.contacts
-        ]
+        contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in self.scene.contacts]
         return Fields([self.body(body) for body in self.scene.bodies], contacts)
+
+    def _plain(self) -> SavedSolution:
+        """All that is told of the solution, as plain data."""
+        from .saved import SavedSolution
+
+        names = ("energy", "layer_energy", "residual", "imbalance", "largest_strain", "largest_rotation")
+        return SavedSolution(
+            self.status,
+            self.reason,
+            self.method,
+            {name: float(getattr(self, name)) for name in names},
+            self.history,
+            [self.body(body) for body in self.scene.bodies],
+            {c.name: self.contact(c) for c in self.scene.contacts},
+            {c.name: self._surfaces(c) for c in self.scene.contacts},
+            {body.name: self.forces(body) for body in self.scene.bodies},
+        )
+
+    def _surfaces(self, contact: Contact) -> tuple[SurfaceResult, SurfaceResult]:
+        """Both sides of a contact."""
+        return self.contact_surface(contact), self.contact_surface(contact, second=True)
 
     def __repr__(self) -> str:
         lines = [f"Solution by {self.method!r}: {self.status} ({self.reason})"]

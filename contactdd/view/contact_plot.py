@@ -56,14 +56,14 @@ def plot_contact(
     if dim == 3 and along is None and surface is not None:
         _draw_map(figure, surface, show, stress_unit, length_unit)
     else:
-        along = along or _natural(result)
+        along = along or natural_place(result)
         _draw_curves(figure, result, along, place(result, along, about), stress_unit, length_unit)
     if path is not None:
         figure.savefig(path, dpi=150)
     return figure
 
 
-def _natural(result: ContactResult) -> str:
+def natural_place(result: ContactResult) -> str:
     """The coordinate that a contact lies along, else its arc length; in space the radius."""
     if result.x.shape[1] == 3:
         return "radius"
