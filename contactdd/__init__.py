@@ -28,8 +28,14 @@ from .errors import (
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Resultant, Traction
+from .local.choose import LOCAL_SOLVERS, register_local_solver
+from .local.dense import DenseSystem
+from .local.problem import ContactTrace, Fields, LocalProblem
+from .local.reduced import ReducedProblem
+from .local.task import LocalTask
 from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import LoadPath, StepFailedError, programme
 from .saved import SavedSolution, load_solution
@@ -41,6 +47,7 @@ from .support import Displacement, Fixed, Spring, Symmetry
 from .surface_result import SurfaceResult
 
 __all__ = [
+    "LOCAL_SOLVERS",
     "SCHEMES",
     "Anisotropic",
     "Body",
@@ -50,8 +57,11 @@ __all__ = [
     "Contact",
     "ContactError",
     "ContactResult",
+    "ContactTrace",
     "CustomLayer",
+    "DenseSystem",
     "Displacement",
+    "Fields",
     "Fixed",
     "History",
     "Isotropic",
@@ -59,10 +69,13 @@ __all__ = [
     "Layer",
     "LinearLayer",
     "LoadPath",
+    "LocalProblem",
+    "LocalTask",
     "LooseBodyError",
     "Material",
     "Mesh",
     "MeshMismatchError",
+    "MeshlessBody",
     "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
@@ -70,6 +83,7 @@ __all__ = [
     "PowerLayer",
     "Pressure",
     "Record",
+    "ReducedProblem",
     "Resultant",
     "SavedSolution",
     "Scene",
@@ -91,6 +105,7 @@ __all__ = [
     "read_gmsh",
     "rectangle",
     "reference",
+    "register_local_solver",
     "solve",
 ]
 

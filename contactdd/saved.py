@@ -17,7 +17,7 @@ from .base.arrays import Floats
 from .body_result import BodyResult, SurfaceFit
 from .contact_result import ContactResult
 from .history import History, Record
-from .surface_result import SurfaceResult
+from .surface_result import SurfaceResult, Surfaces
 
 FORMAT = "contactdd solution"
 
@@ -40,7 +40,8 @@ class SavedSolution:
         numbers: {"energy", "layer_energy", "residual", "imbalance", "largest_strain", "largest_rotation"}.
         history: of the iterations.
         bodies: every `BodyResult`, in the order of the scene.
-        contacts: {name: `ContactResult`}; surfaces: {name: (`SurfaceResult` of the first body, of the second)}.
+        contacts: {name: `ContactResult`}.
+        surfaces: {name: (`SurfaceResult` of the first body, of the second)}, None for a body without a mesh.
         resultants: {body: {"loads", "contact", "supports": (dim,)}}, as `Solution.forces` gives them.
     """
 
@@ -51,7 +52,7 @@ class SavedSolution:
     history: History
     bodies: Sequence[BodyResult]
     contacts: Mapping[str, ContactResult]
-    surfaces: Mapping[str, tuple[SurfaceResult, SurfaceResult]]
+    surfaces: Mapping[str, Surfaces]
     resultants: Mapping[str, Mapping[str, Floats]]
 
     @property
@@ -65,7 +66,10 @@ class SavedSolution:
 
     def contact_surface(self, contact: str | int = 0, *, second: bool = False) -> SurfaceResult:
         """Pressure, gap and status of a contact facet by facet, on the first or on the second body's surface."""
-        return self.surfaces[self._name(contact)][int(second)]
+        surface = self.surfaces[self._name(contact)][int(second)]
+        if surface is None:
+            raise ValueError(f"contact = {contact!r}, second = {second}: that body has no mesh")
+        return surface
 
     def body(self, body: str) -> BodyResult:
         """A body's displacement and stress at its nodes."""
@@ -76,13 +80,16 @@ class SavedSolution:
 
     def forces(self, body: str) -> Mapping[str, Floats]:
         """The resultants on a body, each (dim,): "loads", "contact" and "supports"."""
-        return self.resultants[self.body(body).name]
+        if body not in self.resultants:
+            raise ValueError(f"body = {body!r}: expected one of {', '.join(map(repr, self.resultants))}")
+        return self.resultants[body]
 
     def plot_contact(self, contact: str | int = 0, **options: Any) -> Any:
         """A matplotlib figure of pressure and gap over a contact, see `Solution.plot_contact`."""
         from .view.contact_plot import plot_contact
 
-        return plot_contact(self.contact(contact), self.contact_surface(contact), **options)
+        surfaces = self.surfaces[self._name(contact)]
+        return plot_contact(self.contact(contact), next(filter(None, surfaces), None), **options)
 
     def plot_bodies(self, bodies: Sequence[str] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, see `Solution.plot_bodies`."""
@@ -120,6 +127,9 @@ def save(solution: SavedSolution, folder: Path) -> Path:
         "method": solution.method,
         "numbers": dict(solution.numbers),
         "history": [asdict(record) for record in solution.history],
+        "resultants": {
+            body: {n: v.tolist() for n, v in forces.items()} for body, forces in solution.resultants.items()
+        },
         "bodies": [_body_told(solution, place, arrays) for place in range(len(solution.bodies))],
         "contacts": [_contact_told(solution, place, name, arrays) for place, name in enumerate(solution.contacts)],
     }
@@ -134,15 +144,14 @@ def _body_told(solution: SavedSolution, place: int, arrays: dict[str, NDArray]) 
     plain = _taken_apart(body, f"body {place}", arrays, skip="fits")
     for number, fit in enumerate(body.fits):
         _taken_apart(fit, f"body {place} fit {number}", arrays)
-    forces = {name: force.tolist() for name, force in solution.resultants[body.name].items()}
-    return plain | {"fits": len(body.fits), "forces": forces}
+    return plain | {"fits": len(body.fits)}
 
 
 def _contact_told(solution: SavedSolution, place: int, name: str, arrays: dict[str, NDArray]) -> dict[str, Any]:
     """The description of one contact; its arrays go into `arrays`."""
     told = {"name": name, "contact": _taken_apart(solution.contacts[name], f"contact {place}", arrays)}
     for side, surface in enumerate(solution.surfaces[name]):
-        told[f"surface {side}"] = _taken_apart(surface, f"surface {place} {side}", arrays)
+        told[f"surface {side}"] = surface and _taken_apart(surface, f"surface {place} {side}", arrays)
     return told
 
 
@@ -176,21 +185,26 @@ def _put_together(told: dict[str, Any], arrays: Mapping[str, NDArray]) -> SavedS
     history = History()
     for record in told["history"]:
         history.append(Record(**record))
-    bodies, contacts, surfaces, resultants = [], {}, {}, {}
+    bodies, contacts, surfaces = [], {}, {}
+    resultants = {body: {n: np.array(v) for n, v in forces.items()} for body, forces in told["resultants"].items()}
     for place, entry in enumerate(told["bodies"]):
         fits = tuple(_made(SurfaceFit, f"body {place} fit {number}", {}, arrays) for number in range(entry["fits"]))
         body = _made(BodyResult, f"body {place}", entry, arrays, fits=fits)
         bodies.append(body)
-        resultants[body.name] = {name: np.array(force) for name, force in entry["forces"].items()}
     for place, entry in enumerate(told["contacts"]):
         area = tuple(entry["contact"]["unpaired_area"])
         contacts[entry["name"]] = _made(ContactResult, f"contact {place}", entry["contact"], arrays, unpaired_area=area)
-        sides = (_made(SurfaceResult, f"surface {place} {side}", entry[f"surface {side}"], arrays) for side in (0, 1))
-        surfaces[entry["name"]] = tuple(sides)
+        surfaces[entry["name"]] = (_surface(place, 0, entry, arrays), _surface(place, 1, entry, arrays))
     plain = {name: told[name] for name in ("status", "reason", "method", "numbers")}
     return SavedSolution(
         **plain, history=history, bodies=bodies, contacts=contacts, surfaces=surfaces, resultants=resultants
     )
+
+
+def _surface(place: int, side: int, entry: Mapping[str, Any], arrays: Mapping[str, NDArray]) -> SurfaceResult | None:
+    """One side of a contact."""
+    plain = entry[f"surface {side}"]
+    return None if plain is None else _made(SurfaceResult, f"surface {place} {side}", plain, arrays)
 
 
 def _taken_apart(item: Any, prefix: str, arrays: dict[str, NDArray], skip: str = "") -> dict[str, Any]:

@@ -89,7 +89,8 @@ def suspicious(interfaces: Sequence[Interface], gaps: Sequence[Floats]) -> bool:
 
 
 def _noted(interface: Interface, gap: Floats) -> bool:
-    thickness, stiffness = (min(pair) for pair in zip(*(_scales(b) for b, _ in interface.contact.sides), strict=True))
+    scales = [_scales(body) for body, _ in interface.contact.sides if body.mesh]
+    thickness, stiffness = (min(values) for values in zip(*scales, strict=True))
     if np.abs(interface.gap - gap).max(initial=0.0) > NOTED_APPROACH * thickness:
         return True
     return -interface.contact.layer.contact_stress(gap).min(initial=0.0) > NOTED_PRESSURE * stiffness

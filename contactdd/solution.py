@@ -26,7 +26,7 @@ from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
 from .small_strains import StrainSize
-from .surface_result import SurfaceResult
+from .surface_result import SurfaceResult, Surfaces
 
 if TYPE_CHECKING:
     from .local.problem import Fields
@@ -77,6 +77,8 @@ class Solution:
         """The displacement of a body (length), a dolfinx function."""
         place = self._place(body)
         name = self.scene.bodies[place].name
+        if self.scene.bodies[place].mesh is None:
+            return self._fields[place].displacement
         if name not in self._displacements:
             function = fem.Function(self.scene.bodies[place].space, name="displacement")
             function.x.array[:] = self._fields[place].displacement
@@ -91,7 +93,7 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
         stress = interface.contact.layer.contact_stress(gaps)
-        surface = interface.sides[0].surface
+        meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
         return ContactResult(
             interface.x,
             interface.normal,
@@ -101,38 +103,45 @@ class Solution:
             -stress,
             interface.unmatched,
             interface.gap,
-            surface.corners,
-            surface.body.kinematics.ring,
+            meshed.corners,
+            meshed.body.kinematics.ring,
         )
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
-        """Pressure, gap and status of a contact facet by facet, on the first or on the second body's surface."""
+        """Pressure, gap and status of a contact facet by facet, on the first or on the second body's surface.
+
+        Raises ValueError for the side of a body without a mesh.
+        """
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._state.gaps[index]
         pressure = -interface.contact.layer.contact_stress(gaps)
-        body = interface.contact.sides[int(second)][0]
+        body = self._meshed(interface.contact.sides[int(second)][0])
         return sample.surface_result(interface, int(second), gaps, pressure, self.displacement(body))
 
     def body(self, body: str | Body) -> BodyResult:
-        """A body's displacement and stress at its nodes, as plain arrays."""
-        owner = self.scene.bodies[self._place(body)]
+        """A body's displacement and stress at its nodes, as plain arrays.
+
+        Raises ValueError for a body without a mesh.
+        """
+        owner = self._meshed(body)
         contacts = list(zip(self.interfaces, self._state.gaps, strict=True))
         return sample.body_result(owner, self.displacement(owner), self.stress(owner), contacts)
 
     def displacement_at(self, body: str | Body, points: ArrayLike) -> Floats:
         """The displacement (n, dim) of a body at points (n, dim) of its undeformed shape (length).
 
-        Raises ValueError for points outside of it.
+        Raises ValueError for points outside of it and for a body without a mesh.
         """
-        owner = self.scene.bodies[self._place(body)]
+        owner = self._meshed(body)
         return sample.values_at(owner, self.displacement(owner), points)
 
     def stress_at(self, body: str | Body, points: ArrayLike) -> Floats:
         """The six stresses (n, 6) of a body at points (n, dim) of its undeformed shape, in the order of `stress`.
 
-        On the border of cells it is that of one of them. Raises ValueError for points outside of the body.
+        On the border of cells it is that of one of them. Raises ValueError for points outside of the body and for one
+        without a mesh.
         """
-        owner = self.scene.bodies[self._place(body)]
+        owner = self._meshed(body)
         return sample.values_at(owner, self.stress(owner), points)
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
@@ -215,9 +224,9 @@ class Solution:
 
     @cached_property
     def strain_sizes(self) -> list[StrainSize]:
-        """The largest strain and rotation of every body, in the order of the scene's bodies."""
-        bodies = self.scene.bodies
-        return [small_strains.strain_size(b, f.displacement) for b, f in zip(bodies, self._fields, strict=True)]
+        """The largest strain and rotation of every body that has a mesh, in the order of the scene's bodies."""
+        bodies = zip(self.scene.bodies, self._fields, strict=True)
+        return [small_strains.strain_size(body, fields.displacement) for body, fields in bodies if body.mesh]
 
     @property
     def largest_strain(self) -> float:
@@ -242,7 +251,8 @@ class Solution:
         from .view.contact_plot import plot_contact
 
         result = self.contact(contact)
-        return plot_contact(result, self.contact_surface(contact) if result.x.shape[1] == 3 else None, **options)
+        surfaces = self._surfaces(contact) if result.x.shape[1] == 3 else ()
+        return plot_contact(result, next(filter(None, surfaces), None), **options)
 
     def plot_bodies(self, bodies: Sequence[str | Body] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, or of some, coloured by a stress.
@@ -252,7 +262,7 @@ class Solution:
         """
         from .view.body_plot import plot_bodies
 
-        return plot_bodies([self.body(body) for body in bodies or self.scene.bodies], **options)
+        return plot_bodies([self.body(body) for body in bodies or self._with_mesh()], **options)
 
     def plot(self) -> list[Any]:
         """The pictures of the deformed bodies and of every contact; in a notebook they are shown."""
@@ -288,7 +298,7 @@ class Solution:
         from .view.export import Fields
 
         contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in self.scene.contacts]
-        return Fields([self.body(body) for body in self.scene.bodies], contacts)
+        return Fields([self.body(body) for body in self._with_mesh()], contacts)
 
     def _plain(self) -> SavedSolution:
         """All that is told of the solution, as plain data."""
@@ -301,15 +311,30 @@ class Solution:
             self.method,
             {name: float(getattr(self, name)) for name in names},
             self.history,
-            [self.body(body) for body in self.scene.bodies],
+            [self.body(body) for body in self._with_mesh()],
             {c.name: self.contact(c) for c in self.scene.contacts},
             {c.name: self._surfaces(c) for c in self.scene.contacts},
             {body.name: self.forces(body) for body in self.scene.bodies},
         )
 
-    def _surfaces(self, contact: Contact) -> tuple[SurfaceResult, SurfaceResult]:
-        """Both sides of a contact."""
-        return self.contact_surface(contact), self.contact_surface(contact, second=True)
+    def _surfaces(self, contact: str | int | Contact) -> Surfaces:
+        """Both sides of a contact, None for that of a body without a mesh."""
+        first, second = self.scene.contacts[self._contact_index(contact)].sides
+        return (
+            self.contact_surface(contact) if first[0].mesh else None,
+            self.contact_surface(contact, second=True) if second[0].mesh else None,
+        )
+
+    def _with_mesh(self) -> list[Body]:
+        """The bodies that have a mesh: what can be drawn and written."""
+        return [body for body in self.scene.bodies if body.mesh]
+
+    def _meshed(self, body: str | Body) -> Body:
+        """A body of the scene, refused if it has no mesh."""
+        owner = self.scene.bodies[self._place(body)]
+        if owner.mesh is None:
+            raise ValueError(f"body = {owner.name!r}: it has no mesh; expected a body with one")
+        return owner
 
     def __repr__(self) -> str:
         lines = [f"Solution by {self.method!r}: {self.status} ({self.reason})"]

@@ -81,6 +81,10 @@ class SurfaceResult:
         return zero_lines(triangles, values)
 
 
+#: Both sides of a contact, None for that of a body without a mesh.
+Surfaces = tuple[SurfaceResult | None, SurfaceResult | None]
+
+
 def zero_lines(triangles: Floats, values: Floats) -> Floats:
     """The segments (m, 2, dim) where linear functions, given at triangles' corners, are zero: (n, 3) on (n, 3, dim)."""
     negative = values < 0.0

@@ -9,6 +9,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import test_numbers_out
+import test_own_bodies
 from test_ranks import launch
 
 import contactdd as cd
@@ -129,6 +130,29 @@ def test_contacts_as_text(solution, tmp_path):
             np.testing.assert_array_equal(numbers, getattr(surface, attribute.get("Name")))
         points = np.array(grid.findtext("Geometry/DataItem").split(), dtype=float).reshape(-1, 2, 3)
         np.testing.assert_array_equal(points[:, :, :2], surface.outlines)
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_a_body_without_a_mesh(swapped, tmp_path):
+    """What is told of its partner is written, saved and drawn; of itself there is nothing to show."""
+    punch = test_own_bodies.RigidCylinder((0.0, 10.0), 10.0, force=10.0)
+    solution = test_own_bodies.pressed(punch, swapped)
+    names = {file.stem for file in solution.export(tmp_path)}
+    contact = "cylinder-block" if swapped else "block-cylinder"
+    assert names == {"block", "contacts", f"{contact} points", f"{contact} on block"}
+    up = 1.0 if swapped else -1.0  # the force on the first body
+    np.testing.assert_allclose(solution.contact().force_vector, [0.0, up * 10.0], atol=1e-7 * 10)
+    again = cd.load_solution(solution.save(tmp_path / "saved"))
+    np.testing.assert_array_equal(again.forces("cylinder")["loads"], [0.0, -10.0])
+    assert again.contact_surface(second=swapped).body == "block"
+    for told in (solution, again):
+        with pytest.raises(ValueError, match="no mesh"):
+            told.contact_surface(second=not swapped)
+    with pytest.raises(ValueError, match="body = 'cylinder': it has no mesh"):
+        solution.body("cylinder")
+    edge = solution.contact().edge
+    assert edge[0, 0] == pytest.approx(-edge[1, 0], abs=1 / 40)  # a facet
+    assert len(solution.plot_contact().axes) == 2
 
 
 def test_a_load_programme(tmp_path):

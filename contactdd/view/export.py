@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from ..body_result import BodyResult
 from ..contact_result import ContactResult
-from ..surface_result import SurfaceResult
+from ..surface_result import SurfaceResult, Surfaces
 from .vtu import Grid, SeriesEntry, write_series
 from .xdmf import write_surfaces
 
@@ -22,10 +22,10 @@ VERTEX = 1
 
 @dataclass(frozen=True)
 class Fields:
-    """All that is written of one solution: its bodies, and of each contact its name, its points and both surfaces."""
+    """All that is written of one solution: its bodies, and of each contact its name, its points and the surfaces."""
 
     bodies: Sequence[BodyResult]
-    contacts: Sequence[tuple[str, ContactResult, tuple[SurfaceResult, SurfaceResult]]]
+    contacts: Sequence[tuple[str, ContactResult, Surfaces]]
 
     def grids(self) -> dict[str, Grid]:
         """The grids by the names of their files, which are unlike also where small and large letters are the same."""
@@ -35,7 +35,7 @@ class Fields:
         for name, points, surfaces in self.contacts:
             stem = file_name(name)
             names[_unused(f"{stem} points", names)] = _points(points)
-            for surface in surfaces:
+            for surface in filter(None, surfaces):
                 names[_unused(f"{stem} on {file_name(surface.body)}", names)] = _surface(surface)
         return names
 
@@ -44,7 +44,7 @@ def export(fields: Fields, folder: Path) -> list[Path]:
     """The .vtu files written into a folder, which is made if missing, and contacts.xdmf."""
     folder.mkdir(parents=True, exist_ok=True)
     written = [grid.write(folder / f"{name}.vtu") for name, grid in fields.grids().items()]
-    surfaces = [surface for *_, sides in fields.contacts for surface in sides]
+    surfaces = [surface for *_, sides in fields.contacts for surface in filter(None, sides)]
     return [*written, write_surfaces(folder / "contacts.xdmf", surfaces)]
 
 
