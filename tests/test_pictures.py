@@ -148,3 +148,23 @@ def test_options_are_checked():
     figure = solution.history.plot()
     assert figure.axes[0].get_ylabel() == "residual"
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), solution.history.residual)
+
+
+def test_a_swept_body_of_revolution():
+    """Half of a ring has half of Pappus' area; what is no body of revolution is not turned."""
+    from contactdd.view.body_plot import grid, swept
+
+    inner, outer = (
+        cd.Body(n, cd.rectangle((r, 0), (r + 10, 10), (4, 4)), STEEL, kinematics="axisymmetric", degree=2)
+        for n, r in (("inner", 10), ("outer", 20))
+    )
+    inner.supports = outer.supports = (cd.Symmetry("bottom"),)
+    contact = cd.Contact((inner, "right"), (outer, "left"), cd.LinearLayer(1e6), gap=-0.01)
+    solution = cd.solve(cd.Scene([inner, outer], [contact]))
+    half = swept(grid(solution.body("inner"), solution.body("inner").points), 180.0)
+    # Turned by steps Δ of two degrees, a disc's area is that of a polygon, smaller by Δ²/6 = 2e-4.
+    assert half.area == pytest.approx(np.pi * (10 * 10 + 20 * 10 + 20**2 - 10**2) + 2 * 100, rel=2e-4)
+    assert solution.plot_bodies(sweep=270.0, size=(200, 150)).pixels.std() > 10
+    for scene, angle in ((solution, 400.0), (cd.solve(test_numbers_out.blocks()), 90.0)):
+        with pytest.raises(ValueError, match="sweep = "):
+            scene.plot_bodies(sweep=angle)

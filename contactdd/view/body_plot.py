@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..base.arrays import Floats
-from ..base.checks import check_choice, positive
+from ..base.checks import check_choice, finite, positive
 from ..body_result import BodyResult
 from ..kinematics import STRESSES
 from .picture import MAP, Picture, with_unit
@@ -40,6 +40,7 @@ def plot_bodies(
     zoom: float = 1.0,
     edges: bool = False,
     undeformed: bool = False,
+    sweep: float = 0.0,
     unit: str | None = None,
     path: str | Path | None = None,
     size: tuple[int, int] = (1200, 800),
@@ -59,6 +60,7 @@ def plot_bodies(
         zoom: how much larger than what fits.
         edges: whether the cells' edges are drawn.
         undeformed: whether the outline before deformation is drawn.
+        sweep: through how many degrees bodies of revolution are turned about their axis; 0 draws their meridian.
         unit: of what is shown, for the bar.
         path: where it is also saved.
         size: width and height in pixels.
@@ -73,13 +75,15 @@ def plot_bodies(
     from .display import ensure_display
 
     component = normal_component(bodies) if component is None else check_choice("component", component, COMPONENTS)
-    flat = bodies[0].dim == 2
+    check_sweep(bodies, sweep)
+    flat = bodies[0].dim == 2 and not sweep
     direction = FLAT if flat else _direction(camera)
     zoom = positive("zoom", zoom)
     ensure_display()
     scale = visible_scale(bodies) if scale is None else scale
     name = with_unit(component if component == "displacement" else f"stress {component}", unit)
     points = _in_space(np.vstack([body.drawn(scale) for body in bodies]))
+    points = turned(points, sweep) if sweep else points
     values = [shown(body, component) for body in bodies]
     limits, labels = (limits, 5) if limits is not None else round_limits(values)
     plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
@@ -89,13 +93,15 @@ def plot_bodies(
     for body, value in zip(bodies, values, strict=True):
         mesh = grid(body, body.drawn(scale))
         mesh.point_data[name] = value
+        mesh = swept(mesh, sweep) if sweep else mesh
         bar = _bar_arguments(name, labels)
         plotter.add_mesh(mesh, scalars=name, clim=limits, cmap=MAP, scalar_bar_args=bar, lighting=False)
         plotter.add_mesh(_outline(mesh, flat).translate(nearer), color="black", line_width=2)
         if edges:
             plotter.add_mesh(_cell_edges(mesh).translate(nearer), color="black", line_width=1, opacity=0.5)
         if undeformed:
-            plotter.add_mesh(_outline(grid(body, body.points), flat), color="grey", line_width=1)
+            before = grid(body, body.points)
+            plotter.add_mesh(_outline(swept(before, sweep) if sweep else before, flat), color="grey", line_width=1)
     plotter.add_text(
         title or f"displacements enlarged {scale:g} times", font_size=11, color="black", position="upper_edge"
     )
@@ -115,6 +121,30 @@ def grid(body: BodyResult, points: Floats) -> Any:
 
     cells = np.insert(body.cells, 0, body.cells.shape[1], axis=1).ravel()
     return pyvista.UnstructuredGrid(cells, np.full(len(body.cells), body.cell_type, dtype=np.uint8), _in_space(points))
+
+
+def check_sweep(bodies: Sequence[BodyResult], sweep: float) -> None:
+    """Refuse to turn what is no body of revolution."""
+    if not 0.0 <= finite("sweep", sweep) <= 360.0:
+        raise ValueError(f"sweep = {sweep!r}: expected an angle from 0 to 360 degrees")
+    if sweep and not all(body.ring for body in bodies):
+        raise ValueError(f"sweep = {sweep!r}: expected bodies of revolution only, or 0")
+
+
+def turned(points: Floats, sweep: float) -> Floats:
+    """Points (r, y, 0) of a meridian at angles through the sweep, the axis as z."""
+    angles = np.radians(np.linspace(0.0, sweep, 1 + max(int(np.ceil(sweep / 5.0)), 1)))
+    r, y = points[:, 0], points[:, 1]
+    return np.concatenate([np.column_stack([r * np.cos(a), r * np.sin(a), y]) for a in angles])
+
+
+def swept(mesh: Any, sweep: float) -> Any:
+    """The surface of a body of revolution, from its meridian as a pyvista grid, the axis as z."""
+    meridian = mesh.extract_surface(nonlinear_subdivision=2).triangulate()
+    # Else neighbouring cells that are numbered in opposite senses would seem to meet at an edge.
+    meridian = meridian.compute_normals(point_normals=False, consistent_normals=True, split_vertices=False)
+    meridian.points = np.asarray(meridian.points)[:, [0, 2, 1]]
+    return meridian.extrude_rotate(angle=sweep, resolution=1 + int(sweep / 2.0), capping=sweep < 360.0).clean()
 
 
 def _in_space(points: Floats) -> Floats:

@@ -129,7 +129,11 @@ def _draw_map(figure: Any, surface: SurfaceResult, show: str, stress: str | None
         axes.add_collection(LineCollection(edge[:, :, [first, second]], colors="white", linewidths=1.4))
         axes.add_collection(LineCollection(edge[:, :, [first, second]], colors="black", linewidths=0.6))
     label = {"pressure": with_unit("contact pressure", stress), "gap": with_unit("deformed gap z", length)}
-    bar = figure.colorbar(facets, ax=axes, label=label.get(show, ""))
+    width, height = np.ptp(outlines.reshape(-1, 3), axis=0)[[first, second]]
+    wide = width > 1.5 * height
+    if wide:
+        figure.set_size_inches(7.0, min(4.6, 2.0 + 6.0 * height / width))
+    bar = figure.colorbar(facets, ax=axes, label=label.get(show, ""), location="bottom" if wide else "right")
     if show == "status":
         bar.set_ticks(list(STATUS), labels=list(STATUS.values()))
     axes.autoscale_view()
