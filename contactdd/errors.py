@@ -54,3 +54,7 @@ class CheckpointError(ContactError, ValueError):
 
 class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
+
+
+class LargeStrainWarning(UserWarning):
+    """Strains or rotations of a solution are so large that linear theory, and with it the solution, is doubtful."""
