@@ -75,7 +75,7 @@ class Scene:
     def _exchange(self, kinds: Sequence[str]) -> None:
         """Make the condensed problems, each on the rank that owns its body, and tell the others what they need."""
         missing = [kind == "condensed" and (kind, place) not in self._subproblems for place, kind in enumerate(kinds)]
-        if not any(self.ranks.comm.allgather(any(missing))):
+        if not any(self.ranks.gather(any(missing))):
             return
         made = self.ranks.each(
             lambda place: self._subproblem("condensed", place).shared() if kinds[place] == "condensed" else None

@@ -38,6 +38,13 @@ def as_count(name: str, value: Any, expected: str = "a whole number >= 1") -> in
     return int(value)
 
 
+def as_bool(name: str, value: Any) -> bool:
+    """`value` as a bool, refused if it is anything else: "no" would be true."""
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} = {value!r}: expected True or False")
+    return bool(value)
+
+
 def as_floats(name: str, value: Any, expected: str) -> np.ndarray:
     """`value` as an array of floats, refused if it is anything else; of what shape and whether finite is not asked."""
     try:
@@ -51,9 +58,25 @@ def as_floats(name: str, value: Any, expected: str) -> np.ndarray:
 
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     """`value`, refused unless it is one of `choices`."""
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} = {value!r}: expected one of {', '.join(map(repr, choices))}")
     return value
+
+
+def as_file_name(name: str) -> str:
+    """A file name for a name, such as a body's, that leads to no other folder: unlike names give unlike files.
+
+    Letters of any alphabet, digits, spaces and .-_ stay; the bytes of all else are written as in an address.
+
+    >>> as_file_name("block 1"), as_file_name("../x")
+    ('block 1', '%2E.%2Fx')
+    """
+    last = len(name) - 1
+
+    def plain(place: int, c: str) -> bool:
+        return c.isalnum() or c in "-_" or (c in " ." and 0 < place < last)
+
+    return "".join(c if plain(i, c) else "".join(f"%{b:02X}" for b in c.encode()) for i, c in enumerate(name))
 
 
 def as_tuple_of(name: str, values: Any, kind: Any) -> tuple:

@@ -3,11 +3,16 @@
 Every rank knows all meshes and contacts. A body is assembled, factored and condensed by the rank that owns it, or by
 several together, and its solves are done there; what all ranks see of it is its condensed problem, of the size of its
 contacts.
+
+All that passes between the ranks is one kind of message, gathered from all by all. So whatever a rank is waiting for,
+it can be told there that another one has failed: see `Ranks.together`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
@@ -16,15 +21,23 @@ from mpi4py import MPI
 T = TypeVar("T")
 
 
+#: The kind of message that a rank sends instead of the one that is waited for.
+FAILED = "failed"
+
+
 class Ranks:
     """The owners of the bodies on a communicator: one rank for each body, or a team of several where there are more
     ranks than bodies.
 
-    work: of each body, in any unit. teams: the ranks that hold each body, the first of them speaks for it.
+    work: of each body, in any unit. teams: the ranks that hold each body, the first of them speaks for it. interrupted:
+    set to end all ranks by KeyboardInterrupt when they next meet.
     """
 
     def __init__(self, comm: MPI.Comm, work: Sequence[float]) -> None:
         self.comm = comm
+        self.interrupted = False
+        if comm.size > 1:
+            _refuse_other_work(comm, work)
         self.teams = deal_out(comm.size, work)
         self._team = MPI.COMM_SELF
         if comm.size > len(work):
@@ -44,6 +57,30 @@ class Ranks:
         """The ranks that hold a body; to be asked by one of them."""
         return self._team if len(self.teams[place]) > 1 else MPI.COMM_SELF
 
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """What all ranks do, to its end or to none: an exception of one of them, wherever it comes from, is raised on
+        all. Costs one exchange at the end; nothing where there is one rank."""
+        if self.alone:
+            yield
+            return
+        try:
+            yield
+        except _EndedElsewhere as end:
+            raise end.error from None
+        except BaseException as error:
+            self.comm.allgather((FAILED, None, _portable(error)))  # wherever the others are, they are waiting for this
+            raise
+        else:
+            try:
+                self._gathered("end", None)
+            except _EndedElsewhere as end:
+                raise end.error from None
+
+    def gather(self, value: T) -> list[T]:
+        """The values of all ranks, in their order."""
+        return [value] if self.alone else self._gathered("gather", value)
+
     def each(self, make: Callable[[int], T]) -> list[T]:
         """make(place) of every body, each made by its team, known to all. An error of one rank is raised on all."""
         places = range(len(self.teams))
@@ -56,30 +93,71 @@ class Ranks:
         except Exception as error:
             failed = error
         spoken = [(place, value) for place, value in made if self.teams[place][0] == self.comm.rank]
-        gathered = self.comm.allgather((spoken, failed))
-        for _, error in gathered:
-            if error is not None:
-                raise error
-        return [value for _, value in sorted((pair for part, _ in gathered for pair in part), key=lambda pair: pair[0])]
+        gathered = self._gathered("each", spoken, failed)
+        return [value for _, value in sorted((pair for part in gathered for pair in part), key=lambda pair: pair[0])]
 
     def once(self, make: Callable[[], T]) -> T:
         """What the first rank makes, known to all; an error of it is raised on all."""
         if self.alone:
             return make()
-        made: tuple[Any, Exception | None] = (None, None)
+        made: Any = None
+        failed: Exception | None = None
         if self.comm.rank == 0:
             try:
-                made = (make(), None)
+                made = make()
             except Exception as error:
-                made = (None, error)
-        value, failed = self.comm.bcast(made, root=0)
-        if failed is not None:
-            raise failed
-        return value
+                failed = error
+        return self._gathered("once", made, failed)[0]
 
     def agree(self, value: T) -> T:
         """The first rank's value: what is decided by rounding must be decided once."""
-        return value if self.alone else self.comm.bcast(value, root=0)
+        return value if self.alone else self._gathered("agree", value if self.comm.rank == 0 else None)[0]
+
+    def _gathered(self, kind: str, value: Any, failed: Exception | None = None) -> list[Any]:
+        """The values of all ranks, in their order. All have to ask for the same kind; an error of one is raised on all."""
+        if self.interrupted:
+            self.interrupted = False
+            raise KeyboardInterrupt
+        messages = self.comm.allgather((kind, value, failed and _portable(failed)))
+        for one, _, error in messages:
+            if one == FAILED:
+                raise _EndedElsewhere(error)
+        kinds = [one for one, _, _ in messages]
+        if len(set(kinds)) > 1:
+            raise _EndedElsewhere(
+                RuntimeError(
+                    f"the ranks have gone different ways, to {kinds}; expected the same scene and solves on all"
+                )
+            )
+        for _, _, error in messages:
+            if error is not None:
+                raise error
+        return [value for _, value, _ in messages]
+
+
+class _EndedElsewhere(BaseException):
+    """Another rank has failed; no exception that what runs here could handle. Attribute: `error`, the other's."""
+
+    def __init__(self, error: BaseException) -> None:
+        super().__init__(error)
+        self.error = error
+
+
+def _portable(error: BaseException) -> BaseException:
+    """The same error, or one that says the same where it cannot be sent."""
+    try:
+        if type(pickle.loads(pickle.dumps(error))) is type(error):
+            return error
+    except Exception:
+        pass
+    return RuntimeError(f"{type(error).__name__}: {error}")
+
+
+def _refuse_other_work(comm: MPI.Comm, work: Sequence[float]) -> None:
+    """Refuse scenes whose bodies are others on other ranks: they would be dealt out in different ways."""
+    found = comm.allgather(list(work))
+    if any(other != found[0] for other in found):
+        raise ValueError(f"bodies: their degrees of freedom on each rank are {found}; expected the same scene on all")
 
 
 def deal_out(ranks: int, work: Sequence[float]) -> list[list[int]]:

@@ -8,21 +8,25 @@ from __future__ import annotations
 
 import json
 import os
+import secrets
+import threading
 import time
+import warnings
 import zipfile
+from contextlib import ExitStack
 from dataclasses import asdict, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ..errors import CheckpointError
 from ..history import History, Record
+from ..system.ensemble import Ensemble
 from ..system.state import State
-
-if TYPE_CHECKING:
-    from ..system.ensemble import Ensemble
-    from .run import Run
+from .claim import Claim, claim
+from .interruption import saved_on_signals
+from .run import Run, Snapshot
 
 
 FORMAT = "contactdd checkpoint"
@@ -36,45 +40,106 @@ SAME = 1e-8
 
 
 class CheckpointWriter:
-    """Keeps a run's state in a file: at intervals, at the end and when the run is interrupted; None keeps nothing."""
+    """Keeps a run's state in a file: at intervals, at the end and when the run is interrupted; None keeps nothing.
+
+    A state that cannot be written is no reason to lose the run: it goes on with a warning, and the last state stays.
+    """
 
     def __init__(self, path: str | Path | None, interval: float, run: Run) -> None:
-        self._path, self._interval, self._run = path, interval, run
-        self._written = time.monotonic()
+        self._asked, self._interval, self._run = path, interval, run
+        self._header = {} if path is None else _header(run.ensemble, run.scheme.name)
+        self._claim: Claim | None = None
+        self._kept: Snapshot | None = None
+        self._failed: Exception | None = None
+        self._began = self._written = time.monotonic()
+        self._writing = threading.RLock()  # a signal may come while the file is written
+        self._open = ExitStack()
 
     def __enter__(self) -> CheckpointWriter:
+        if self._asked is not None:
+            self._claim = claim(Path(self._asked), self._foreign)
+            if self._claim.refused:
+                asked, path = str(self._asked), str(self._claim.path)
+                _warn(f"checkpoint = {asked!r}: {self._claim.refused}; the state of this run is kept in {path!r}")
+            self._open.callback(self._claim.release)
+            self._open.enter_context(saved_on_signals(self.save))
         return self
 
     def __exit__(self, *error: object) -> None:
-        if self._path is not None:
-            write(self._path, self._run)
+        with self._open:
+            self.save()
+        if self._claim is not None and self._kept is not self._run.snapshot:
+            kept = "no state is kept" if self._kept is None else f"the state after {self._kept.done} iterations is kept"
+            _warn(f"checkpoint = {str(self._claim.path)!r}: the last state was not written; {kept}")
 
     def update(self) -> None:
         """Write if it is time to."""
-        if self._path is not None and time.monotonic() - self._written >= self._interval:
-            write(self._path, self._run)
+        if self._claim is not None and time.monotonic() - self._written >= self._interval:
+            self.save()
             self._written = time.monotonic()
 
+    def save(self) -> None:
+        """Write the last complete iterate, if that has not been done."""
+        if self._claim is None:
+            return
+        with self._writing:
+            snapshot = self._run.snapshot
+            if snapshot is self._kept:
+                return
+            try:
+                _write(self._claim.path, self._header, self._run, snapshot)
+                self._kept = snapshot
+            except Exception as error:  # a full disk, a law that fails here too
+                if type(error) is not type(self._failed):
+                    self._failed = error
+                    _warn(f"checkpoint = {str(self._claim.path)!r}: not written ({error}); the run goes on")
 
-def write(path: str | Path, run: Run) -> None:
+    def _foreign(self, path: Path) -> str:
+        """What speaks against writing over a file."""
+        try:
+            if path.stat().st_size == 0:
+                return ""
+        except FileNotFoundError:
+            return ""
+        except OSError as error:
+            return f"it cannot be read ({error})"
+        if not path.is_file():
+            return "it is no file"
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                found = _from_bytes(file["header"])
+        except Exception:
+            return "it is no checkpoint and stays as it is"
+        if not isinstance(found, dict) or found.get("format") != FORMAT:
+            return "it is no checkpoint and stays as it is"
+        other = [key for key in self._header if key != "version" and found.get(key) != self._header[key]]
+        return f"it is a checkpoint of another run (other {' and '.join(other)}) and stays as it is" if other else ""
+
+
+def _write(path: Path, header: dict[str, Any], run: Run, snapshot: Snapshot) -> None:
     """Write the state of a run.
 
     The file appears whole or not at all: an interruption while writing leaves the last one.
     """
-    path = Path(path)
-    header = _header(run.ensemble, run.scheme.name)
     arrays = {"header": _as_bytes(header)}
-    for name, parts in (_taken_apart(run.state) | _told_by(run.ensemble, run.state)).items():
+    for name, parts in (_taken_apart(snapshot.state) | _told_by(run.ensemble, snapshot.state)).items():
         arrays |= {f"{name} {i}": part for i, part in enumerate(parts)}
-    if run.anderson is not None:
-        arrays |= {f"memory {i}": part for i, part in enumerate(run.anderson.memory)}
-    arrays["history"] = _as_bytes([asdict(record) for record in run.history])
-    partial = path.with_name(path.name + ".part")
-    with open(partial, "wb") as file:
-        np.savez(file, **arrays)
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(partial, path)
+    arrays |= {f"memory {i}": part for i, part in enumerate(snapshot.memory)}
+    arrays["history"] = _as_bytes([asdict(run.history[i]) for i in range(snapshot.done)])
+    partial = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}.part")
+    try:
+        with open(partial, "xb") as file:
+            np.savez(file, **arrays)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _warn(text: str) -> None:
+    """Tell the user, at the line that called `solve`."""
+    warnings.warn(text, RuntimeWarning, stacklevel=2)
 
 
 def read(path: str | Path, ensemble: Ensemble, method: str) -> tuple[State, History, list[np.ndarray]]:
