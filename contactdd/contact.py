@@ -6,8 +6,9 @@ from collections.abc import Callable
 from copy import copy
 
 import numpy as np
+import ufl
 
-from .base.checks import as_count, check_choice, positive
+from .base.checks import as_bool, as_count, check_choice, positive
 from .body import Body
 from .field import check_field
 from .layer import Layer
@@ -48,7 +49,14 @@ class Contact:
             if len(value[0].mesh.facets(value[1])) == 0:
                 raise ValueError(f"{side}: surface {value[1]!r} of body {value[0].name!r} has no facets")
         _check_layer(layer)
+        if first[0].mesh.dim != second[0].mesh.dim:
+            raise ValueError(
+                f"body {first[0].name!r} has {first[0].mesh.dim} coordinates, body {second[0].name!r} "
+                f"{second[0].mesh.dim}; expected both in the plane or both in space"
+            )
         check_field("gap", gap)
+        if isinstance(gap, ufl.core.expr.Expr):
+            raise TypeError(f"gap = {gap!r}: expected a number or a function of the coordinates")
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
         check_choice("quadrature", quadrature, RULES)
@@ -60,7 +68,7 @@ class Contact:
         self.sides = (first, second)
         self.layer = layer
         self.gap = gap
-        self.measure_gap = bool(measure_gap)
+        self.measure_gap = as_bool("measure_gap", measure_gap)
         self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
         self.quadrature_degree = None if quadrature_degree is None else as_count("quadrature_degree", quadrature_degree)

@@ -56,27 +56,19 @@ def as_floats(name: str, value: Any, expected: str) -> np.ndarray:
         raise TypeError(f"{name} = {value!r}: expected {expected}") from None
 
 
+def check_vector(name: str, value: Any, dim: int) -> None:
+    """Refuse what is no vector of `dim` finite numbers."""
+    expected = f"{dim} finite numbers"
+    array = as_floats(name, value, expected)
+    if array.shape != (dim,) or not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} = {value!r}: expected {expected}")
+
+
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     """`value`, refused unless it is one of `choices`."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} = {value!r}: expected one of {', '.join(map(repr, choices))}")
     return value
-
-
-def as_file_name(name: str) -> str:
-    """A file name for a name, such as a body's, that leads to no other folder: unlike names give unlike files.
-
-    Letters of any alphabet, digits, spaces and .-_ stay; the bytes of all else are written as in an address.
-
-    >>> as_file_name("block 1"), as_file_name("../x")
-    ('block 1', '%2E.%2Fx')
-    """
-    last = len(name) - 1
-
-    def plain(place: int, c: str) -> bool:
-        return c.isalnum() or c in "-_" or (c in " ." and 0 < place < last)
-
-    return "".join(c if plain(i, c) else "".join(f"%{b:02X}" for b in c.encode()) for i, c in enumerate(name))
 
 
 def as_tuple_of(name: str, values: Any, kind: Any) -> tuple:

@@ -33,6 +33,9 @@ class Ranks:
     set to end all ranks by KeyboardInterrupt when they next meet.
     """
 
+    #: In how many `together` in one another this process is, of whatever scenes.
+    depth = 0
+
     def __init__(self, comm: MPI.Comm, work: Sequence[float]) -> None:
         self.comm = comm
         self.interrupted = False
@@ -64,18 +67,25 @@ class Ranks:
         if self.alone:
             yield
             return
+        Ranks.depth += 1
         try:
             yield
+            self._gathered("end", None)
         except _EndedElsewhere as end:
+            if end.depth < Ranks.depth:  # the other has left what is around this, too
+                raise
+            if end.depth > Ranks.depth:  # the other has still to leave this
+                self._tell(end.error)
             raise end.error from None
         except BaseException as error:
-            self.comm.allgather((FAILED, None, _portable(error)))  # wherever the others are, they are waiting for this
+            self._tell(error)
             raise
-        else:
-            try:
-                self._gathered("end", None)
-            except _EndedElsewhere as end:
-                raise end.error from None
+        finally:
+            Ranks.depth -= 1
+
+    def _tell(self, error: BaseException) -> None:
+        """Tell the other ranks that this one has failed: wherever they are, they are waiting for its message."""
+        self.comm.allgather((FAILED, Ranks.depth, None, _portable(error)))
 
     def gather(self, value: T) -> list[T]:
         """The values of all ranks, in their order."""
@@ -114,33 +124,33 @@ class Ranks:
         return value if self.alone else self._gathered("agree", value if self.comm.rank == 0 else None)[0]
 
     def _gathered(self, kind: str, value: Any, failed: Exception | None = None) -> list[Any]:
-        """The values of all ranks, in their order. All have to ask for the same kind; an error of one is raised on all."""
+        """The values of all ranks, in their order. All ask for the same kind; an error is raised on all."""
         if self.interrupted:
             self.interrupted = False
             raise KeyboardInterrupt
-        messages = self.comm.allgather((kind, value, failed and _portable(failed)))
-        for one, _, error in messages:
+        messages = self.comm.allgather((kind, Ranks.depth, value, failed and _portable(failed)))
+        for one, depth, _, error in messages:
             if one == FAILED:
-                raise _EndedElsewhere(error)
-        kinds = [one for one, _, _ in messages]
-        if len(set(kinds)) > 1:
-            raise _EndedElsewhere(
-                RuntimeError(
-                    f"the ranks have gone different ways, to {kinds}; expected the same scene and solves on all"
-                )
-            )
-        for _, _, error in messages:
+                raise _EndedElsewhere(error, depth)
+        places = [message[:2] for message in messages]
+        if any(place != places[0] for place in places):
+            error = RuntimeError(f"the ranks have gone different ways, {places}; expected the same solves on all")
+            raise _EndedElsewhere(error, min(depth for _, depth in places))
+        for *_, error in messages:
             if error is not None:
                 raise error
-        return [value for _, value, _ in messages]
+        return [value for *_, value, _ in messages]
 
 
 class _EndedElsewhere(BaseException):
-    """Another rank has failed; no exception that what runs here could handle. Attribute: `error`, the other's."""
+    """Another rank has failed; no exception that what runs here could handle.
 
-    def __init__(self, error: BaseException) -> None:
+    Attributes: `error`, the other's; `depth`, the number of `Ranks.together` in one another that it has left from.
+    """
+
+    def __init__(self, error: BaseException, depth: int) -> None:
         super().__init__(error)
-        self.error = error
+        self.error, self.depth = error, depth
 
 
 def _portable(error: BaseException) -> BaseException:

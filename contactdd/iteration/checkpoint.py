@@ -28,7 +28,6 @@ from .claim import Claim, claim
 from .interruption import saved_on_signals
 from .run import Run, Snapshot
 
-
 FORMAT = "contactdd checkpoint"
 
 

@@ -167,7 +167,7 @@ class Run:
         phi, state = {}, self.state
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
-            values = self.scheme.coefficient(interface.contact.layer, z, before, interface.x.T)
+            values = self.scheme.phi(interface.contact.layer, z, before, interface.x.T)
             # A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
             phi[index] = np.minimum(values, 1e8 * self._stiffest[index])
         return phi
