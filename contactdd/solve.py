@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
+from .base.ranks import Ranks
 from .errors import NoEquilibriumError, NotConvergedError
 from .history import Record
 from .iteration.checkpoint import CheckpointWriter, read
@@ -110,11 +111,11 @@ def solve(
             }
             asked = {"method": f"{scheme.name}, {scheme.step}", "tolerance": tolerance, "criterion": criterion}
             refuse_differences(scene, asked | {"max_iterations": max_iterations} | given | limits)
-        ensemble = Ensemble(scene.subproblems(local_solver), scene.interfaces)
+        ensemble = Ensemble(scene.local_problems(local_solver), scene.interfaces)
         if resume and ranks.once(file.exists):
             earlier = ranks.once(lambda: read(file, ensemble, scheme.name))
         else:
-            earlier = (_start(ensemble, scheme, gamma, start, previous),)
+            earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
         run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
         keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
         with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
@@ -184,6 +185,7 @@ def _check_start(start: starts.Given | Solution | None, previous: starts.Given |
 
 def _start(
     ensemble: Ensemble,
+    ranks: Ranks,
     scheme: Scheme,
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
@@ -193,7 +195,7 @@ def _start(
     if isinstance(start, Solution):
         return starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
     if start is not None:
-        return starts.from_contacts(ensemble, start, previous)
+        return starts.from_contacts(ensemble, ranks, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
     guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.together(ensemble) if guarded else starts.closed(ensemble)
+    return starts.together(ensemble) if guarded else starts.closed(ensemble, ranks)

@@ -18,6 +18,8 @@ from typing import Any, TypeVar
 import numpy as np
 from mpi4py import MPI
 
+from .arrays import Floats
+
 T = TypeVar("T")
 
 
@@ -118,6 +120,16 @@ class Ranks:
             except Exception as error:
                 failed = error
         return self._gathered("once", made, failed)[0]
+
+    def sent(self, array: Floats, owner: int) -> Floats:
+        """The array of one rank, written into those of the others, which have its shape."""
+        self._gathered("sent", None)  # a rank that has failed does not come to what follows
+        self.comm.Bcast(array, root=owner)
+        return array
+
+    def any_says(self, reason: str) -> str:
+        """What the ranks say: the first text that is not empty, "" where there is none. All have to ask."""
+        return next(filter(None, self.gather(reason)), "")
 
     def agree(self, value: T) -> T:
         """The first rank's value: what is decided by rounding must be decided once."""

@@ -116,8 +116,8 @@ def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, Conta
     """Both surfaces; where they are the same one of copies of a mesh, the second follows from the first."""
     (body, surface), (other, opposite) = contact.sides
     first = ContactSurface(body, surface, quadrature)
-    if surface == opposite and body.degree == other.degree:
-        isometry = other.mesh.isometry_from(body.mesh)
+    if surface == opposite:
+        isometry = other.elements.isometry_from(body.elements)
         if isometry is not None:
             return first, first.copied(other, isometry)
     return first, ContactSurface(other, opposite, quadrature)
