@@ -113,7 +113,7 @@ def solve(
             refuse_differences(scene, asked | {"max_iterations": max_iterations} | given | limits)
         ensemble = Ensemble(scene.local_problems(local_solver), scene.interfaces)
         if resume and ranks.once(file.exists):
-            earlier = ranks.once(lambda: read(file, ensemble, scheme.name))
+            earlier = read(file, ensemble, scheme.name, ranks)
         else:
             earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
         run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)

@@ -20,9 +20,10 @@ from typing import Any
 
 import numpy as np
 
+from ..base.ranks import Ranks
 from ..errors import CheckpointError
 from ..history import History, Record
-from ..system.ensemble import Ensemble
+from ..system.ensemble import Ensemble, Forces
 from ..system.state import State
 from .claim import Claim, claim
 from .interruption import saved_on_signals
@@ -121,7 +122,7 @@ def _write(path: Path, header: dict[str, Any], run: Run, snapshot: Snapshot) -> 
     The file appears whole or not at all: an interruption while writing leaves the last one.
     """
     arrays = {"header": _as_bytes(header)}
-    for name, parts in (_taken_apart(snapshot.state) | _told_by(run.ensemble, snapshot.state)).items():
+    for name, parts in (_taken_apart(snapshot.state) | _told_by(run.ensemble, snapshot.state, snapshot.forces)).items():
         arrays |= {f"{name} {i}": part for i, part in enumerate(parts)}
     arrays |= {f"memory {i}": part for i, part in enumerate(snapshot.memory)}
     arrays["history"] = _as_bytes([asdict(run.history[i]) for i in range(snapshot.done)])
@@ -141,22 +142,14 @@ def _warn(text: str) -> None:
     warnings.warn(text, RuntimeWarning, stacklevel=2)
 
 
-def read(path: str | Path, ensemble: Ensemble, method: str) -> tuple[State, History, list[np.ndarray]]:
+def read(path: str | Path, ensemble: Ensemble, method: str, ranks: Ranks) -> tuple[State, History, list[np.ndarray]]:
     """The state, the history and an accelerated method's memory.
 
     Raises CheckpointError for a file that is damaged, is something else, or belongs to another scene or method: other
     loads, gaps, layers or bodies would make its state pass for a solution.
     """
     path = Path(path)
-    if not path.is_file():
-        raise CheckpointError(f"checkpoint = {str(path)!r}: no such file")
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
-        found = _from_bytes(arrays["header"])
-        records = [Record(**entry) for entry in _from_bytes(arrays["history"])]
-    except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
-        raise CheckpointError(f"checkpoint = {str(path)!r}: damaged, or not a checkpoint ({error})") from error
+    found, records, arrays = ranks.once(lambda: _contents(path))
     expected = _header(ensemble, method)
     for key in expected:
         if not isinstance(found, dict) or found.get(key) != expected[key]:
@@ -166,7 +159,7 @@ def read(path: str | Path, ensemble: Ensemble, method: str) -> tuple[State, Hist
     sizes = {"unknowns": unknowns, "deformation": unknowns, "gaps": points, "previous_gaps": points}
     (y,), (deformation,), *gaps = (_parts(path, arrays, name, sizes[name]) for name in sizes)
     state = State(y, deformation, *gaps)
-    for name, here in _told_by(ensemble, state).items():
+    for name, here in _told_by(ensemble, state, ensemble.forces(state)).items():
         for one, other in zip(_parts(path, arrays, name, [len(part) for part in here]), here, strict=True):
             if np.abs(one - other).max() > SAME * max(np.abs(one).max(), np.abs(other).max()):
                 raise CheckpointError(f"checkpoint = {str(path)!r}: made with other {name}; expected the same scene")
@@ -175,6 +168,19 @@ def read(path: str | Path, ensemble: Ensemble, method: str) -> tuple[State, Hist
         history.append(record)
     memory = [arrays[f"memory {i}"] for i in range(sum(name.startswith("memory ") for name in arrays))]
     return state, history, memory
+
+
+def _contents(path: Path) -> tuple[Any, list[Record], dict[str, np.ndarray]]:
+    """The header, the history and all arrays of a file, unchecked but for its form."""
+    if not path.is_file():
+        raise CheckpointError(f"checkpoint = {str(path)!r}: no such file")
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        records = [Record(**entry) for entry in _from_bytes(arrays["history"])]
+        return _from_bytes(arrays["header"]), records, arrays
+    except (OSError, EOFError, KeyError, TypeError, ValueError, zipfile.BadZipFile) as error:
+        raise CheckpointError(f"checkpoint = {str(path)!r}: damaged, or not a checkpoint ({error})") from error
 
 
 def _header(ensemble: Ensemble, method: str) -> dict[str, Any]:
@@ -194,9 +200,8 @@ def _taken_apart(state: State) -> dict[str, list[np.ndarray]]:
     return {name: part if isinstance(part, list) else [part] for name, part in parts.items()}
 
 
-def _told_by(ensemble: Ensemble, state: State) -> dict[str, list[np.ndarray]]:
+def _told_by(ensemble: Ensemble, state: State, forces: Forces) -> dict[str, list[np.ndarray]]:
     """What a scene gives at a state, by what of the scene it tells."""
-    forces = ensemble.forces(state)
     return {
         "loads or prescribed displacements": [ensemble.load],
         "geometry or gaps": ensemble.gaps(state.unknowns),

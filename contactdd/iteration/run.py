@@ -34,10 +34,11 @@ CANCELLED = 1e-8
 class Snapshot:
     """An iterate between two iterations, with all that the next one needs.
 
-    state: the iterate; done: how many iterations led to it; memory: of Anderson's method.
+    state: the iterate; forces: those at it; done: how many iterations led to it; memory: of Anderson's method.
     """
 
     state: State
+    forces: Forces
     done: int
     memory: Sequence[Floats]
 
@@ -70,7 +71,7 @@ class Run:
         self._first_force = 0.0
         self._at_nodes = False
         self._began = time.process_time()
-        self.snapshot = self._complete()
+        self.snapshot = self._complete(ensemble.forces(state))
 
     def iterate(self, gammas: Iterator[float | None], rule: StoppingCriterion, observe: Observer) -> Termination:
         """Iterate to the end, from where the history ends.
@@ -87,7 +88,7 @@ class Run:
                 return self._ending(
                     "diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}"
                 )
-            forces = self.ensemble.forces(self.state)
+            forces = self.snapshot.forces
             scale = self._scale(forces)
             residual = self._ranks.agree(norm(forces.residual) / scale if scale > 0.0 else 0.0)
             distance = rule.distance(residual, last)
@@ -109,14 +110,14 @@ class Run:
             except StopIteration:
                 return Termination("iteration limit", f"gamma ended after {k} values: {reached}")
             self.history.append(last)
-            self.snapshot = self._complete()
+            self.snapshot = self._complete(self.ensemble.forces(self.state))
             if self._ranks.agree(observe(last)):
                 return Termination("stopped", f"as asked in iteration {k + 1}")
         return self._ending("iteration limit", f"{reached} after {k} iterations")
 
-    def _complete(self) -> Snapshot:
+    def _complete(self, forces: Forces) -> Snapshot:
         """The iterate, its history complete."""
-        return Snapshot(self.state, len(self.history), [] if self.anderson is None else self.anderson.memory)
+        return Snapshot(self.state, forces, len(self.history), [] if self.anderson is None else self.anderson.memory)
 
     def _best_so_far(self, rule: StoppingCriterion) -> tuple[float, int]:
         """The smallest distance in the history, and after how many iterations it was reached."""

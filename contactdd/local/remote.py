@@ -24,10 +24,12 @@ class CollectiveOperator:
         ranks: The ranks.
         owner: The rank that holds the matrix.
         matrix: The matrix on that rank; the others need none.
+        size: The number of its rows and columns where there is no matrix.
     """
 
-    def __init__(self, ranks: Ranks, owner: int, matrix: scipy.sparse.csr_matrix | None = None) -> None:
+    def __init__(self, ranks: Ranks, owner: int, matrix: scipy.sparse.csr_matrix | None = None, size: int = 0) -> None:
         self._ranks, self._owner, self._matrix = ranks, owner, matrix
+        self.shape = (size, size) if matrix is None else matrix.shape
 
     def __matmul__(self, y: Floats) -> Floats:
         own = self._ranks.comm.rank == self._owner
@@ -88,7 +90,7 @@ class RemoteProblem:
         kinematics, scale = task.body.kinematics, shared.stiffness_scale
         self.rigid = rigid_motions(self.name, kinematics, self.traces, *motions, scale)
         if shared.stiffness is None:
-            self.stiffness: Operator = CollectiveOperator(ranks, owner)
+            self.stiffness: Operator = CollectiveOperator(ranks, owner, size=self.dofs.space.size)
             self._system: DenseSystem | None = None
         else:
             self.stiffness = shared.stiffness
