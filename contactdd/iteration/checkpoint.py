@@ -90,7 +90,7 @@ class CheckpointWriter:
                 _write(self._claim.path, self._header, self._run, snapshot)
                 self._kept = snapshot
             except Exception as error:  # a full disk, a law that fails here too
-                if type(error) is not type(self._failed):
+                if str(error) != str(self._failed):  # told of once
                     self._failed = error
                     _warn(f"checkpoint = {str(self._claim.path)!r}: not written ({error}); the run goes on")
 
