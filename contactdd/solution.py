@@ -110,6 +110,8 @@ class Solution:
         """The displacement of a body (length), a dolfinx function."""
         place = self._place(body)
         name = self.scene.bodies[place].name
+        if self.scene.bodies[place].mesh is None:
+            return self._fields[place].displacement
         if name not in self._displacements:
             function = fem.Function(self.scene.bodies[place].space, name="displacement")
             function.x.array[:] = self._fields[place].displacement

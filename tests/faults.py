@@ -38,7 +38,7 @@ GAMMA = 0.3
 HANG = 30.0
 
 WORKER = """
-import sys, time
+import os, sys, time
 from pathlib import Path
 sys.path.insert(0, str(Path(sys.argv[1]) / "tests"))
 import numpy as np
@@ -55,9 +55,9 @@ def watch(record):
         raise RuntimeError("a fault of one rank")
     time.sleep(float(pause))
 
-import os
 print("pid", comm.rank, os.getpid(), flush=True)
-found = cd.solve(faults.scene(comm), "chord", gamma=faults.GAMMA, checkpoint=file, checkpoint_every=1e-3, callback=watch)
+options = dict(gamma=faults.GAMMA, checkpoint=file, checkpoint_every=1e-3, callback=watch)
+found = cd.solve(faults.scene(comm), "chord", **options)
 if comm.rank == 0:
     np.save(result, found.contact().pressure)
     print("end", found.status, found.iterations, flush=True)
@@ -181,7 +181,7 @@ def check_result(worker: Worker) -> None:
 
 
 def _ended_by(number: int, ranks: int = 1) -> Callable[[Path, random.Random], str]:
-    """A run that a signal ends, after which all is there that the user was told of, or that was written."""
+    """A run that a signal ends: all that the user was told of, or that was written, is there."""
 
     def fault(folder: Path, dice: random.Random) -> str:
         file, at = folder / "state.npz", dice.randint(1, 100)
@@ -266,7 +266,7 @@ def two_writers(folder: Path, dice: random.Random) -> str:
             worker.ended()
             if worker is not killed:
                 check_result(worker)
-    states = [other for other in folder.glob("state*.npz")]
+    states = sorted(folder.glob("state*.npz"))
     for state in states:
         go_on(state)
     return f"{len(states)} states"

@@ -15,6 +15,7 @@ from dolfinx import fem
 from ..base.facets import surface_points
 from ..body import Body
 from ..layer import CustomLayer, Layer
+from ..meshless import MeshlessBody
 from ..parameter import current
 from ..scene import Scene
 
@@ -68,7 +69,12 @@ def _told(scene: Scene, settings: Mapping[str, Any]) -> Iterator[Told]:
         yield f"contact {contact.name!r}, law of the layer", _of_layer(contact.layer, contact.reach)
 
 
-def _of_body(body: Body) -> Iterator[Told]:
+def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:
+    if isinstance(body, MeshlessBody):
+        yield "kind", type(body).__name__
+        for name, value in vars(body).items():
+            yield name, _plain(current(value))
+        return
     domain = body.mesh.domain
     yield "elements", f"{body.mesh.cells} {domain.topology.cell_name()}s, degree {body.degree}, {body.kinematics.name}"
     yield "coordinates", _measure(domain.geometry.x)
