@@ -112,7 +112,8 @@ cd.solve(scene.with_layer(mine))
     ),
     "material": (
         """
-made = [cd.Body(b.name, b.mesh, cd.Isotropic(2.1e5 + comm.rank, 0.3), supports=b.supports, loads=b.loads) for b in bodies]
+steels = cd.Isotropic(2.1e5 + comm.rank, 0.3)
+made = [cd.Body(b.name, b.mesh, steels, supports=b.supports, loads=b.loads) for b in bodies]
 other = [cd.Contact((a, "top"), (b, "bottom"), layer, gap=groove) for a, b in zip(made, made[1:])]
 cd.solve(cd.Scene(made, other, comm=comm))
 """,
@@ -138,7 +139,8 @@ def test_all_ranks_end_together(what):
     assert done.returncode == 3, done.stderr
     for rank in range(2):
         said = [line for line in done.stdout.splitlines() if line.startswith(f"rank {rank} says")]
-        assert len(said) == 1 and message in said[0], done.stdout + done.stderr
+        assert len(said) == 1, done.stdout + done.stderr
+        assert message in said[0]
 
 
 def test_ranks_go_on_after_an_error():
@@ -199,4 +201,5 @@ def test_an_error_crosses_to_other_ranks_whole_or_in_words():
         pass
 
     told = _portable(Local("words"))
-    assert type(told) is RuntimeError and str(told) == "Local: words"
+    assert type(told) is RuntimeError
+    assert str(told) == "Local: words"

@@ -50,7 +50,7 @@ class CheckpointWriter:
         self._header = {} if path is None else _header(run.ensemble, run.scheme.name)
         self._claim: Claim | None = None
         self._kept: Snapshot | None = None
-        self._failed: Exception | None = None
+        self._failed: tuple[type, int | None] | None = None
         self._began = self._written = time.monotonic()
         self._writing = threading.RLock()  # a signal may come while the file is written
         self._open = ExitStack()
@@ -90,8 +90,9 @@ class CheckpointWriter:
                 _write(self._claim.path, self._header, self._run, snapshot)
                 self._kept = snapshot
             except Exception as error:  # a full disk, a law that fails here too
-                if str(error) != str(self._failed):  # told of once
-                    self._failed = error
+                kind = (type(error), getattr(error, "errno", None))
+                if kind != self._failed:  # told of once
+                    self._failed = kind
                     _warn(f"checkpoint = {str(self._claim.path)!r}: not written ({error}); the run goes on")
 
     def _foreign(self, path: Path) -> str:
