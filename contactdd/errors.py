@@ -20,11 +20,14 @@ class LooseBodyError(ContactError):
         self.body = body
         self.motion = motion
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.body, self.motion)
+
 
 class NotConvergedError(ContactError):
     """A run that ended without a solution.
 
-    Attributes: `status` and `reason`, and `solution`, the last state with its history.
+    Attributes: `status` and `reason`, and `solution`, the last state with its history (None in a pickled copy).
     """
 
     def __init__(self, status: str, reason: str, solution: Any) -> None:
@@ -32,6 +35,9 @@ class NotConvergedError(ContactError):
         self.status = status
         self.reason = reason
         self.solution = solution
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.status, self.reason, None)
 
 
 class NoEquilibriumError(NotConvergedError):
@@ -46,6 +52,9 @@ class NoEquilibriumError(NotConvergedError):
         )
         self.body = body
         self.motion = motion
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.body, self.motion, None)
 
 
 class CheckpointError(ContactError, ValueError):
