@@ -21,11 +21,12 @@ from .errors import (
     NoEquilibriumError,
     NotConvergedError,
 )
+from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Resultant, Traction
 from .material import Anisotropic, Isotropic, Material, Orthotropic
-from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .mesh import Mesh, box, from_dolfinx, rectangle
 from .parameter import Parameter
 from .programme import Path, StepFailedError, programme
 from .scene import Scene
@@ -77,7 +78,9 @@ __all__ = [
     "from_gmsh",
     "one_point",
     "programme",
+    "read_bodies",
     "read_gmsh",
+    "read_mesh",
     "rectangle",
     "reference",
     "solve",
