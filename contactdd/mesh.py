@@ -33,7 +33,7 @@ class Mesh:
     Args:
         domain: the dolfinx mesh (plane or solid, any cell type).
         surfaces: {name: sorted facet indices}.
-        inside: {name: how many facets are inside the body} of groups that a file has but that are no surfaces.
+        left_out: {name: why} of groups that a file has but that are no surfaces, for whoever asks for one.
 
     Raises:
         TypeError: if `domain` is no dolfinx mesh, or facet indices are no whole numbers.
@@ -44,7 +44,7 @@ class Mesh:
 
     domain: dmesh.Mesh
     surfaces: Mapping[str, NDArray[np.int32]]
-    inside: Mapping[str, int] = field(default_factory=dict)
+    left_out: Mapping[str, str] = field(default_factory=dict)
     _made_from: tuple[Mesh, Isometry] | None = field(default=None, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -77,11 +77,8 @@ class Mesh:
 
     def facets(self, surface: str) -> NDArray[np.int32]:
         """The facet indices of a named surface; a name that is not there is refused with the list of those that are."""
-        if isinstance(surface, str) and surface in self.inside:
-            raise ValueError(
-                f"surface = {surface!r}: {self.inside[surface]} facets of that group are inside the body, between "
-                "cells; expected a part of the boundary"
-            )
+        if isinstance(surface, str) and surface in self.left_out:
+            raise ValueError(f"surface = {surface!r}: {self.left_out[surface]}; expected a part of the boundary")
         if not isinstance(surface, str) or surface not in self.surfaces:
             known = listed(self.surfaces)
             raise ValueError(f"surface = {surface!r}: the mesh has no surface of that name (it has {known})")
@@ -102,8 +99,8 @@ class Mesh:
 
     def with_surfaces(self, **markers: Marker) -> Mesh:
         """The same mesh with more named surfaces, each given by a function x (3, points) -> bool of boundary facets."""
-        inside = {name: count for name, count in self.inside.items() if name not in markers}
-        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, inside)
+        left_out = {name: why for name, why in self.left_out.items() if name not in markers}
+        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, left_out)
         vars(mesh).update(_made_from=self._made_from, **self._pieces_known())
         return mesh
 
@@ -168,7 +165,7 @@ class Mesh:
         # Its cells are as good as those of this mesh, unless rounding has moved their corners.
         if not np.abs(onward.signs * (image - onward.offset) - x).max() <= 1e-10 * size:
             raise ValueError(f"{asked}: so far away a mesh of the size {size:g} loses the digits of its shape")
-        copy = Mesh._sound(compat.with_coordinates(mesh.domain, image), self.surfaces, self._entities, self.inside)
+        copy = Mesh._sound(compat.with_coordinates(mesh.domain, image), self.surfaces, self._entities, self.left_out)
         vars(copy).update(_made_from=(mesh, onward), **self._pieces_known())
         return copy
 
@@ -178,11 +175,11 @@ class Mesh:
         domain: dmesh.Mesh,
         surfaces: Mapping[str, NDArray[np.int32]],
         entities: dict[str, NDArray[np.int32]],
-        inside: Mapping[str, int],
+        left_out: Mapping[str, str],
     ) -> Mesh:
         """A mesh in which nothing has to be looked for that could be refused."""
         mesh = object.__new__(cls)
-        vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities, inside=inside)
+        vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities, left_out=left_out)
         return mesh
 
     def __repr__(self) -> str:
@@ -247,8 +244,8 @@ def from_dolfinx(
     """
     if not isinstance(domain, dmesh.Mesh):
         raise TypeError(f"domain = {domain!r}: expected a dolfinx mesh")
-    groups, inside = _tagged(domain, facet_tags, names)
-    return Mesh(domain, {**groups, **_mark(domain, markers)}, inside)
+    groups, left_out = _tagged(domain, facet_tags, names)
+    return Mesh(domain, {**groups, **_mark(domain, markers)}, left_out)
 
 
 def from_arrays(
@@ -256,7 +253,7 @@ def from_arrays(
     x: Floats,
     element: Any,
     surfaces: Mapping[str, NDArray[np.int64]],
-    inside: Mapping[str, int],
+    left_out: Mapping[str, str],
 ) -> Mesh:
     """The mesh of cells (cells, nodes), their nodes at x (nodes, dim) in the order of the coordinate element.
 
@@ -268,13 +265,18 @@ def from_arrays(
     of_cell = domain.topology.connectivity(dim, dim - 1).array.reshape(len(cells), -1)
     places = np.argsort(domain.topology.original_cell_index)
     facets = {name: np.unique(of_cell[places[pairs[:, 0]], pairs[:, 1]]) for name, pairs in surfaces.items()}
-    return Mesh(domain, facets, inside)
+    return Mesh(domain, facets, left_out)
+
+
+def inside_the_body(facets: int) -> str:
+    """Why a group of facets is no surface."""
+    return f"{facets} facets of that group are inside the body, between cells"
 
 
 def _tagged(
     domain: dmesh.Mesh, tags: Any, names: Mapping[str, int | Sequence[int]] | None
-) -> tuple[dict[str, NDArray[np.int32]], dict[str, int]]:
-    """The surfaces that tags of facets give, and how many facets those have that reach into the body."""
+) -> tuple[dict[str, NDArray[np.int32]], dict[str, str]]:
+    """The surfaces that tags of facets give, and why others give none."""
     if tags is None:
         if names is not None:
             raise ValueError(f"names = {names!r}: expected facet_tags beside them")
@@ -286,7 +288,7 @@ def _tagged(
         raise ValueError(f"facet_tags: tags of entities of dimension {tags.dim}; expected {dim - 1}, the facets'")
     known = [int(tag) for tag in np.unique(tags.values)]
     chosen = {str(tag): [tag] for tag in known} if names is None else {n: _tags(n, tag) for n, tag in names.items()}
-    surfaces, inside = {}, {}
+    surfaces, left_out = {}, {}
     for name, wanted in chosen.items():
         missing = [tag for tag in wanted if tag not in known]
         if missing:
@@ -294,10 +296,10 @@ def _tagged(
         facets = np.unique(tags.indices[np.isin(tags.values, wanted)]).astype(np.int32)
         within = _within(domain, facets)
         if within:
-            inside[name] = within
+            left_out[name] = inside_the_body(within)
         else:
             surfaces[name] = facets
-    return surfaces, inside
+    return surfaces, left_out
 
 
 def _tags(name: str, tags: Any) -> list[int]:
@@ -436,6 +438,12 @@ def _refuse_hanging_nodes(domain: dmesh.Mesh) -> None:
         )
 
 
+def _others(mesh: Mesh, surfaces: Mapping[str, Any]) -> dict[str, str]:
+    """The names of a mesh that one of its pieces has no part of, and why."""
+    missing = {name: "no facet of it belongs to this piece" for name in mesh.surfaces if name not in surfaces}
+    return {**mesh.left_out, **missing}
+
+
 def _pieces(mesh: Mesh) -> list[Mesh]:
     """Each piece as a mesh of its own."""
     dofmap, element = compat.geometry_dofmap(mesh.domain), mesh.domain.ufl_domain().ufl_coordinate_element()
@@ -450,7 +458,9 @@ def _pieces(mesh: Mesh) -> list[Mesh]:
             if len(pairs)
         }
         x = mesh.domain.geometry.x[nodes, : mesh.dim]
-        found.append(from_arrays(local.reshape(len(cells), -1).astype(np.int64), x, element, surfaces, mesh.inside))
+        found.append(
+            from_arrays(local.reshape(len(cells), -1).astype(np.int64), x, element, surfaces, _others(mesh, surfaces))
+        )
     return found
 
 

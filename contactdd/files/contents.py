@@ -13,7 +13,7 @@ from ..base import compat
 from ..base.arrays import Floats
 from ..base.checks import listed
 from ..base.conformity import numbered, side_corners
-from ..mesh import Mesh, from_arrays
+from ..mesh import Mesh, from_arrays, inside_the_body
 from .kinds import DEGREES, SERENDIPITY, SIDES, Kind, completed
 
 Whole = NDArray[np.int64]
@@ -33,8 +33,9 @@ class Contents:
     """The nodes, cells and groups that a file or a model holds.
 
     source: its name in messages; dim: the dimension of the cells; numbers: (nodes,) increasing; x: (nodes, 3); blocks:
-    the cells; bodies: {name: numbers of cells}; surfaces: {name: corner nodes of facets, arrays (facets, corners)};
-    node_sets: {name: numbers of nodes}, each the surface of those outer facets whose corners are all in it.
+    the cells; bodies: {name: numbers of cells}; all_cells: whether cells in no group are taken too where no group is
+    asked for; surfaces: {name: corner nodes of facets, arrays (facets, corners)}; node_sets: {name: numbers of nodes},
+    each the surface of those outer facets whose corners are all in it.
     """
 
     source: str
@@ -43,6 +44,7 @@ class Contents:
     x: Floats
     blocks: Sequence[Block]
     bodies: Mapping[str, Whole] = field(default_factory=dict)
+    all_cells: bool = False
     surfaces: Mapping[str, Sequence[Whole]] = field(default_factory=dict)
     node_sets: Mapping[str, Whole] = field(default_factory=dict)
 
@@ -60,9 +62,9 @@ class Contents:
         used, cells = np.unique(nodes, return_inverse=True)
         x, cells = x[used], cells.reshape(nodes.shape)
         self._check_coordinates(used, x)
-        surfaces, inside = self._surfaces(facets, owners, kind)
+        surfaces, left_out = self._surfaces(facets, owners, kind)
         element = compat.coordinate_element(kind.shape, DEGREES[kind])
-        return from_arrays(cells, x[:, : self.dim], element, surfaces, inside)
+        return from_arrays(cells, x[:, : self.dim], element, surfaces, left_out)
 
     def _cells(self, body: str | None) -> tuple[Kind, Whole]:
         """The kind and nodes of the cells of a body, each cell once."""
@@ -87,8 +89,9 @@ class Contents:
         """The numbers of a body's cells."""
         if body is not None:
             return self.bodies[body]
-        groups = self.bodies.values() if self.bodies else [block.numbers for block in self.blocks]
-        return np.unique(np.concatenate(list(groups))) if len(groups) else np.zeros(0, dtype=np.int64)
+        everything = self.all_cells or not self.bodies
+        groups = [block.numbers for block in self.blocks] if everything else list(self.bodies.values())
+        return np.unique(np.concatenate(groups)) if len(groups) else np.zeros(0, dtype=np.int64)
 
     def _check_kinds(self, kinds: Sequence[Kind], whose: str) -> None:
         names = " and ".join(sorted({str(kind) for kind in kinds}))
@@ -145,22 +148,26 @@ class Contents:
             )
         return facets, numbers
 
-    def _surfaces(self, facets: Whole, numbers: Whole, kind: Kind) -> tuple[dict[str, Whole], dict[str, int]]:
-        """The places (facets,) cell · facets + local facet of each surface, and of how many that are inside the body.
+    def _surfaces(self, facets: Whole, numbers: Whole, kind: Kind) -> tuple[dict[str, Whole], dict[str, str]]:
+        """The (cell, local facet) of each facet of a surface, (facets, 2), and why other groups are no surfaces.
 
-        A group with facets inside is no surface: its name is kept for whoever asks for it.
+        A group with facets inside the body is none: its name is kept for whoever asks for it.
         """
         outer = np.bincount(numbers)[numbers] == 1
         per_cell = len(SIDES[kind.shape])
-        surfaces, inside = {}, {}
+        surfaces, left_out = {}, {}
         for name, rows in self._groups(facets, outer):
             places = _matches(facets, rows)
             within = len(np.unique(numbers[places[~outer[places]]]))
             if within:
-                inside[name] = within
+                left_out[name] = inside_the_body(within)
             elif len(places):
                 surfaces[name] = np.column_stack([places // per_cell, places % per_cell])
-        return surfaces, inside
+            elif name in self.surfaces:
+                left_out[name] = "no facet of that group belongs to this body"
+            else:
+                left_out[name] = "no outer facet of this body has all its corners in that set of nodes"
+        return surfaces, left_out
 
     def _groups(self, facets: Whole, outer: NDArray[np.bool_]) -> Iterator[tuple[str, Whole]]:
         """The sorted corners (facets, corners), as places in x, of each group of facets."""

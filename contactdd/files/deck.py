@@ -172,6 +172,8 @@ def _elements(deck: _Deck, card: _Card) -> None:
     found = _kind(card.parameters.get("TYPE", ""))
     if found is None:
         deck.others.add(card.parameters.get("TYPE", "elements without a type"))
+        if "ELSET" in card.parameters:
+            deck.sets["ELSET"].setdefault(card.parameters["ELSET"], [])
         return
     entries = [int(entry) for entry in _numbers(card.lines)]
     width = found[1].nodes + 1
@@ -237,7 +239,7 @@ def _contents(deck: _Deck, dim: int) -> Contents:
     for name, parts in deck.node_surfaces.items():
         nodes[name] = np.unique(np.concatenate([_of_set(deck, "NSET", _entry(part), ()) for part in parts]))
     bodies = {name: members for name, members in bodies.items() if len(members)}
-    return Contents(deck.source, dim, numbers, x, blocks, bodies, surfaces, nodes)
+    return Contents(deck.source, dim, numbers, x, blocks, bodies, True, surfaces, nodes)
 
 
 def _last_nodes(deck: _Deck) -> tuple[Whole, Floats]:

@@ -60,7 +60,7 @@ def contents(model: Any, dim: int | None, source: str) -> Contents:
     surfaces: dict[str, list[Whole]] = {}
     for name, group in _groups(model, dim - 1):
         surfaces.setdefault(name, []).extend(_corners(model, dim - 1, group))
-    return Contents(source, dim, *in_order(source, numbers, x.reshape(-1, 3)), blocks, bodies, surfaces)
+    return Contents(source, dim, *in_order(source, numbers, x.reshape(-1, 3)), blocks, bodies, False, surfaces)
 
 
 def _groups(model: Any, dim: int) -> Iterator[tuple[str, int]]:
