@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import basix.ufl
 import numpy as np
 import pytest
@@ -141,7 +143,7 @@ def quads(*corners) -> tuple[list, list]:
 def test_hanging_nodes_of_the_plane_are_refused(parts):
     """One large cell beside a column of small ones."""
     ends = np.linspace(0, 1, parts + 1).tolist()
-    cells, nodes = quads((0.0, 1.0, 0.0, 1.0), *((1.0, 1.5, a, b) for a, b in zip(ends, ends[1:], strict=False)))
+    cells, nodes = quads((0.0, 1.0, 0.0, 1.0), *((1.0, 1.5, a, b) for a, b in itertools.pairwise(ends)))
     with pytest.raises(ValueError, match=rf"mesh: {parts - 1} hanging nodes, one of them at \[1\."):
         cd.from_dolfinx(made("quadrilateral", cells, nodes))
 
@@ -162,7 +164,7 @@ def test_hanging_nodes_of_space_are_refused():
 
 
 def test_a_crack_is_no_fault():
-    """Two rows of cells, joined at x = 0 and not elsewhere: beyond, the nodes of the one lie between those of the other."""
+    """Two rows of cells, joined at x = 0 only: beyond, the nodes of the one lie between those of the other."""
     lower, nodes = quads((0.0, 1.0, 0.0, 1.0), (1.0, 2.0, 0.0, 1.0))
     upper, others = quads((0.0, 1.0, 1.0, 2.0), (1.0, 1.5, 1.0, 2.0), (1.5, 2.0, 1.0, 2.0))
     tip = nodes.index((0.0, 1.0)), others.index((0.0, 1.0))
@@ -241,13 +243,12 @@ def test_rings_in_pieces_can_only_slip_along_the_axis():
 def test_bodies_made_of_pieces_find_their_place_by_contact():
     """What one mesh cannot, two bodies can: each piece stands on a layer of its own, p / k lower."""
     p, k = 3.0, 1e3
-    base = cd.Body(
-        "base", cd.rectangle((-1, -1), (4, 0), (5, 1)), cd.Isotropic(1e9, 0.0), supports=[cd.Fixed("bottom")]
-    )
-    bodies = [
-        cd.Body(f"piece {i}", piece, STEEL, loads=[cd.Pressure("top", p)]) for i, piece in enumerate(pair().pieces())
-    ]
-    contacts = [cd.Contact((body, "bottom"), (base, "top"), cd.LinearLayer(k), name=body.name) for body in bodies]
+    halves = {"piece 0": lambda x: (x[1] > -0.1) & (x[0] < 1.6), "piece 1": lambda x: (x[1] > -0.1) & (x[0] > 1.4)}
+    ground = cd.rectangle((-1, -1), (4, 0), (10, 1)).with_surfaces(**halves)
+    base = cd.Body("base", ground, cd.Isotropic(1e9, 0.0), supports=[cd.Fixed("bottom")])
+    pieces = dict(zip(halves, pair().pieces(), strict=True))
+    bodies = [cd.Body(name, piece, STEEL, loads=[cd.Pressure("top", p)]) for name, piece in pieces.items()]
+    contacts = [cd.Contact((body, "bottom"), (base, body.name), cd.LinearLayer(k), name=body.name) for body in bodies]
     solution = cd.solve(cd.Scene([base, *bodies], contacts))
     for body in bodies:
         assert solution.contact(body.name).force == pytest.approx(p, rel=1e-9)
