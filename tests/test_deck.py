@@ -10,8 +10,7 @@ import pytest
 from dolfinx import fem
 
 import contactdd as cd
-from contactdd.files.deck import DECK_EDGES
-from contactdd.files.kinds import SIDES
+from contactdd.base.facets import facet_nodes
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 
@@ -41,6 +40,19 @@ CORNERS = {
 }
 VOLUMES = {"triangle": 1 / 2, "quadrilateral": 1.0, "tetrahedron": 1 / 6, "hexahedron": 1.0}
 
+#: Which corners, counted from 1, each node in the middle of an edge lies between, by the manuals of both programs.
+EDGES = {
+    "triangle": [(1, 2), (2, 3), (3, 1)],
+    "quadrilateral": [(1, 2), (2, 3), (3, 4), (4, 1)],
+    "tetrahedron": [(1, 2), (2, 3), (3, 1), (1, 4), (2, 4), (3, 4)],
+    "hexahedron": [
+        *[(1, 2), (2, 3), (3, 4), (4, 1), (5, 6), (6, 7)],
+        *[(7, 8), (8, 5), (1, 5), (2, 6), (3, 7), (4, 8)],
+    ],
+}
+#: Where the nodes 21 to 27 of a C3D27 lie: in the middle of the cell, then of the sides S1 to S6.
+MIDDLES = [(0.5, 0.5, 0.5), (0.5, 0.5, 0), (0.5, 0.5, 1), (0.5, 0, 0.5), (1, 0.5, 0.5), (0.5, 1, 0.5), (0, 0.5, 0.5)]
+
 #: The sides of one cell as the manuals of both programs number them, by the plane (normal, offset) that each lies in.
 PLANES = {
     "triangle": {"S1": (1, 0.0), "S3": (0, 0.0)},
@@ -51,25 +63,32 @@ PLANES = {
 
 
 def bent(x: np.ndarray) -> np.ndarray:
-    """A map of degree two that keeps volumes: shears by squares, x + a y², then y + b (x)², z likewise."""
-    x = x.copy()
-    x[:, 0] += 0.2 * x[:, 1] ** 2
-    if x.shape[1] == 3:
-        x[:, 2] += 0.1 * x[:, 1] ** 2
-    return x
+    """A map of degree two that keeps volumes: shears by squares of y."""
+    shear = [0.2, 0.0, 0.1][: x.shape[1]]
+    return x + np.outer(x[:, 1] ** 2, shear)
 
 
 def one_cell(shape: str, count: int) -> np.ndarray:
     """The nodes of a cell in the order of a deck."""
     corners = np.array(CORNERS[shape], dtype=float)
-    edges = np.array([corners[list(edge)].mean(axis=0) for edge in DECK_EDGES[shape]])
+    edges = np.array([(corners[a - 1] + corners[b - 1]) / 2 for a, b in EDGES[shape]])
     if count == len(corners):
         return corners
     nodes = np.vstack([corners, edges])
-    if count == 27:
-        sides = [corners[list(side)].mean(axis=0) for side in SIDES[shape]]
-        nodes = np.vstack([nodes, corners.mean(axis=0), sides])
-    return bent(nodes)
+    return bent(np.vstack([nodes, MIDDLES]) if count == 27 else nodes)
+
+
+def full_cell(shape: str, count: int) -> np.ndarray:
+    """The nodes of a cell with those in the middle of faces and of itself."""
+    if count in (8, 9, 20, 27) and (shape, count) != ("hexahedron", 8):
+        dim = len(CORNERS[shape][0])
+        return bent(np.array(list(itertools.product((0, 0.5, 1), repeat=dim))))
+    return one_cell(shape, count)
+
+
+def as_set(x: np.ndarray) -> list:
+    """Points in an order of their own."""
+    return sorted(map(tuple, (np.round(x, 12) + 0.0).tolist()))
 
 
 TYPES = [
@@ -96,21 +115,14 @@ def test_node_orders_by_volume_and_sides_by_where_they_lie(tmp_path, name, shape
     deck = f"*NODE\n{table((i, *node) for i, node in enumerate(x, 1))}\n*ELEMENT, TYPE={name}\n"
     mesh = cd.read_mesh(written(tmp_path, deck + table([(1, *range(1, count + 1))]) + f"\n{sides}\n"))
     assert volume(mesh) == pytest.approx(VOLUMES[shape], rel=1e-12)
+    assert as_set(mesh.domain.geometry.x[:, : mesh.dim]) == as_set(full_cell(shape, count))
     assert set(mesh.surfaces) == set(PLANES[shape])
     straight = np.array(CORNERS[shape], dtype=float)
+    corners = bent(straight) if count > len(straight) else straight
     for side, (axis, at) in PLANES[shape].items():
-        there = np.isclose(straight[:, axis], at)
-        corners = bent(straight[there]) if count > len(straight) else straight[there]
-        found = mesh.domain.geometry.x[:, : mesh.dim][
-            np.isin(np.arange(len(mesh.domain.geometry.x)), _corner_nodes(mesh, side))
-        ]
-        assert sorted(map(tuple, np.round(found, 12).tolist())) == sorted(map(tuple, np.round(corners, 12).tolist()))
-
-
-def _corner_nodes(mesh: cd.Mesh, surface: str) -> np.ndarray:
-    from contactdd.base.facets import facet_nodes
-
-    return facet_nodes(mesh.domain, mesh.entities(surface)).ravel()
+        nodes = facet_nodes(mesh.domain, mesh.entities(side)).ravel()
+        there = corners[np.isclose(straight[:, axis], at)]
+        assert as_set(mesh.domain.geometry.x[nodes, : mesh.dim]) == as_set(there)
 
 
 def grid(first: int, x0: float, x1: float, y0: float, y1: float, cells: int) -> tuple[list, list]:
