@@ -17,7 +17,7 @@ from .base.arrays import Floats
 from .base.checks import as_count, as_floats, check_choice, finite, listed
 from .base.conformity import hanging_nodes, pieces, ring_edges
 from .base.facets import facet_corners, facet_entities, facet_nodes
-from .base.isometry import Isometry, reflection, translation
+from .base.isometry import Isometry, isometry_between, reflection, translation
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
@@ -45,7 +45,6 @@ class Mesh:
     domain: dmesh.Mesh
     surfaces: Mapping[str, NDArray[np.int32]]
     left_out: Mapping[str, str] = field(default_factory=dict)
-    _made_from: tuple[Mesh, Isometry] | None = field(default=None, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.domain, dmesh.Mesh):
@@ -101,7 +100,7 @@ class Mesh:
         """The same mesh with more named surfaces, each given by a function x (3, points) -> bool of boundary facets."""
         left_out = {name: why for name, why in self.left_out.items() if name not in markers}
         mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, left_out)
-        vars(mesh).update(_made_from=self._made_from, **self._pieces_known())
+        vars(mesh).update(self._pieces_known())
         return mesh
 
     @cached_property
@@ -121,24 +120,18 @@ class Mesh:
         """
         return _pieces(self) if self.piece_of_cell.max() > 0 else [self]
 
-    @property
-    def origin(self) -> tuple[Mesh, Isometry] | None:
-        """The mesh that this one is a copy of, itself no copy, and the isometry from its coordinates to these.
-
-        None for a mesh that is no copy, or no longer: when coordinates were changed on one side only.
-        """
-        if self._made_from is None:
-            return None
-        mesh, isometry = self._made_from
-        same = np.array_equal(isometry(mesh.domain.geometry.x[:, : self.dim]), self.domain.geometry.x[:, : self.dim])
-        return (mesh, isometry) if same else None
-
     def isometry_from(self, other: Mesh) -> Isometry | None:
-        """What takes another mesh to this one if both are copies of one, with the same named surfaces; else None."""
-        (root, own), (other_root, others) = (
-            mesh.origin or (mesh, translation(np.zeros(mesh.dim))) for mesh in (self, other)
-        )
-        return own.after(others.inverse) if root is other_root and self.surfaces is other.surfaces else None
+        """The motion or mirror image that takes another mesh's nodes to this one's, one by one; None if there is none.
+
+        Both have to have the same cells, numbered alike, and the same named surfaces.
+        """
+        if not (self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)):
+            return None
+        ours, theirs = (compat.geometry_dofmap(mesh.domain) for mesh in (self, other))
+        if ours.shape != theirs.shape or self.domain.topology.cell_name() != other.domain.topology.cell_name():
+            return None
+        isometry = isometry_between(other.domain.geometry.x[:, : self.dim], self.domain.geometry.x[:, : self.dim])
+        return isometry if isometry is not None and np.array_equal(ours, theirs) else None
 
     def moved(self, offset: Sequence[float]) -> Mesh:
         """A copy of the mesh, moved by `offset` (dim,). It has the same cells, facets and named surfaces."""
@@ -158,15 +151,13 @@ class Mesh:
 
     def _copy(self, isometry: Isometry, asked: str) -> Mesh:
         """The image of the mesh, which shares its topology."""
-        mesh, first = self.origin or (self, None)
-        onward = isometry if first is None else isometry.after(first)
-        x, size = mesh.domain.geometry.x[:, : self.dim], self.size
-        image = onward(x)
+        x = self.domain.geometry.x[:, : self.dim]
+        image = isometry(x)
         # Its cells are as good as those of this mesh, unless rounding has moved their corners.
-        if not np.abs(onward.signs * (image - onward.offset) - x).max() <= 1e-10 * size:
-            raise ValueError(f"{asked}: so far away a mesh of the size {size:g} loses the digits of its shape")
-        copy = Mesh._sound(compat.with_coordinates(mesh.domain, image), self.surfaces, self._entities, self.left_out)
-        vars(copy).update(_made_from=(mesh, onward), **self._pieces_known())
+        if not np.abs(isometry.signs * (image - isometry.offset) - x).max() <= 1e-10 * self.size:
+            raise ValueError(f"{asked}: so far away a mesh of the size {self.size:g} loses the digits of its shape")
+        copy = Mesh._sound(compat.with_coordinates(self.domain, image), self.surfaces, self._entities, self.left_out)
+        vars(copy).update(self._pieces_known())
         return copy
 
     @classmethod
@@ -185,6 +176,11 @@ class Mesh:
     def __repr__(self) -> str:
         counts = ", ".join(f"{name}: {len(facets)}" for name, facets in self.surfaces.items())
         return f"Mesh({self.cells} {self.domain.topology.cell_name()}s; facets {counts})"
+
+
+def _same_surfaces(some: Mapping[str, NDArray[np.int32]], others: Mapping[str, NDArray[np.int32]]) -> bool:
+    """Whether meshes numbered alike have the same named surfaces."""
+    return some.keys() == others.keys() and all(np.array_equal(some[name], others[name]) for name in some)
 
 
 def rectangle(

@@ -18,7 +18,7 @@ STEEL = cd.Isotropic(2.1e5, 0.3)
 def volume(mesh: cd.Mesh) -> float:
     """∫ 1 dx."""
     body = cd.Body("body", mesh, STEEL)
-    return fem.assemble_scalar(fem.form(body.over_volume(fem.Constant(mesh.domain, 1.0))))
+    return fem.assemble_scalar(fem.form(body.elements.over_volume(fem.Constant(mesh.domain, 1.0))))
 
 
 def written(folder: Path, text: str) -> Path:

@@ -39,7 +39,7 @@ def volume(mesh: cd.Mesh) -> float:
     from dolfinx import fem
 
     body = cd.Body("body", mesh, STEEL)
-    return fem.assemble_scalar(fem.form(body.over_volume(fem.Constant(mesh.domain, 1.0))))
+    return fem.assemble_scalar(fem.form(body.elements.over_volume(fem.Constant(mesh.domain, 1.0))))
 
 
 def two_squares(model) -> None:
