@@ -257,6 +257,7 @@ SQUARE = "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n5, 2, 0\n*ELEMENT, TYPE=CPE
         (SQUARE.replace("1, 1, 2, 3, 4", "1, 1, 2, 3, 9"), "a cell has the node 9, which is not there"),
         (SQUARE.replace("1, 1, 2, 3, 4", "1, 1, 2, 3, 3"), "have a node twice"),
         (SQUARE.replace("3, 1, 1", "3, one, 1"), r"a \*NODE that cannot be read .*'ONE'"),
+        (SQUARE.replace("CPE4", "CPE5"), "elements of type CPE5 are not known here"),
         (SQUARE.replace("*NODE", "*NODE, SYSTEM=C"), "nodes in cylindrical coordinates"),
         (
             "*PART, NAME=A\n" + SQUARE + "*END PART\n*PART, NAME=B\n" + SQUARE,

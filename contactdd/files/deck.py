@@ -1,4 +1,7 @@
-"""Decks of Abaqus and CalculiX (.inp): nodes, elements, sets and surfaces. All other keywords are passed over."""
+"""Decks of Abaqus and CalculiX (.inp): nodes, elements, sets and surfaces.
+
+All other keywords are passed over, and so are shells, beams, springs and the like.
+"""
 
 from __future__ import annotations
 
@@ -190,11 +193,10 @@ def _kind(name: str) -> tuple[int, Kind] | None:
     parts = re.fullmatch(r"([A-Z]+\d?D|CPEG?|CPS|CGAX|DCAX|CAX)(\d+)[A-Z]*", name)
     if not parts:
         return None
-    dim = 2 if parts[1] in PLANE else 3 if parts[1] in SOLID else None
-    if dim is None or int(parts[2]) not in SHAPES[dim]:
-        return None
-    count = int(parts[2])
-    return dim, Kind(SHAPES[dim][count], count)
+    dim, count = 2 if parts[1] in PLANE else 3 if parts[1] in SOLID else 0, int(parts[2])
+    if dim and count not in SHAPES[dim]:
+        raise ValueError(f"elements of type {name} are not known here")
+    return (dim, Kind(SHAPES[dim][count], count)) if dim else None
 
 
 def _set(deck: _Deck, card: _Card) -> None:

@@ -11,7 +11,7 @@ from .contents import Contents
 from .formats import format_of, refuse
 
 GMSH = ".msh files of gmsh 2 and 4 and .geo scripts"
-ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp)"
+ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp), universal files (.unv)"
 
 
 def read_gmsh(
@@ -43,12 +43,12 @@ def read_gmsh(
 def read_mesh(
     path: str | Path, body: str | None = None, *, dim: int | None = None, order: int = 1, **parameters: float
 ) -> Mesh:
-    """The mesh of a body in a file of gmsh, Abaqus or CalculiX, with its named surfaces.
+    """The mesh of a body in a file of gmsh, Abaqus or CalculiX, or in a universal file, with its named surfaces.
 
     Args:
         path: the file; how it begins tells its format.
-        body: the group of cells to take: a physical group of gmsh, an *ELSET of a deck. By default all cells in
-            groups, or all cells where there are no groups.
+        body: the group of cells to take: a physical group of gmsh, an *ELSET of a deck (in capitals), a group of
+            elements. By default all cells; of gmsh's files those in groups, if there are such.
         dim: 2 or 3; by default 3 if there are solid cells.
         order: of the geometry that a .geo script gets.
         parameters: numbers of a .geo script.
@@ -87,4 +87,8 @@ def _contents(path: Path, found: str, dim: int | None, order: int, parameters: M
         from . import deck
 
         return deck.read(path, dim)
+    if found == "universal file":
+        from . import universal
+
+        return universal.read(path, dim)
     raise refuse(path, found, "cd.read_mesh", ALL)
