@@ -271,6 +271,18 @@ def test_decks_that_cannot_be_used_are_refused(tmp_path, text, message):
         cd.read_mesh(written(tmp_path, text))
 
 
+def test_elements_over_several_lines_and_with_more_nodes_than_needed(tmp_path):
+    """As CalculiX has it: an element begins a line, goes on while it lacks nodes, and what is over is left."""
+    x = one_cell("hexahedron", 20)
+    nodes = f"*NODE\n{table((i, *node) for i, node in enumerate(x, 1))}\n"
+    whole = "1, 1, 2, 3, 4, 5, 6, 7,\n8, 9, 10, 11, 12, 13, 14,\n15, 16, 17, 18, 19, 20\n"
+    curved = cd.read_mesh(written(tmp_path, f"{nodes}*ELEMENT, TYPE=C3D20\n{whole}"))
+    straight = cd.read_mesh(written(tmp_path, f"{nodes}*ELEMENT, TYPE=C3D8\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10,\n"))
+    assert len(curved.domain.geometry.x) == 27
+    assert len(straight.domain.geometry.x) == 8
+    assert [volume(curved), volume(straight)] == pytest.approx([1, 1])
+
+
 def test_parameters_are_for_scripts(tmp_path):
     with pytest.raises(ValueError, match=r"parameters and order are for \.geo scripts"):
         cd.read_mesh(written(tmp_path, SQUARE), size=0.1)

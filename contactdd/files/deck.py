@@ -178,14 +178,22 @@ def _elements(deck: _Deck, card: _Card) -> None:
         if "ELSET" in card.parameters:
             deck.sets["ELSET"].setdefault(card.parameters["ELSET"], [])
         return
-    entries = [int(entry) for entry in _numbers(card.lines)]
-    width = found[1].nodes + 1
-    if len(entries) % width:
-        raise ValueError(f"expected {width} numbers for each element")
-    rows = [entries[i : i + width] for i in range(0, len(entries), width)]
+    rows = list(_rows(card.lines, found[1].nodes + 1))
     deck.elements.setdefault(found, []).extend(rows)
     if "ELSET" in card.parameters:
         deck.sets["ELSET"].setdefault(card.parameters["ELSET"], []).extend(row[0] for row in rows)
+
+
+def _rows(lines: Sequence[str], width: int) -> Iterator[list[int]]:
+    """The number and the nodes of each element. Each begins a line and may go on in the next; what is over is left."""
+    row: list[int] = []
+    for line in lines:
+        row += [int(entry) for entry in _fields(line) if entry]
+        if len(row) >= width:
+            yield row[:width]
+            row = []
+    if row:
+        raise ValueError(f"expected {width} numbers for an element, not {len(row)}")
 
 
 def _kind(name: str) -> tuple[int, Kind] | None:
