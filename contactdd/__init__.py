@@ -25,6 +25,7 @@ from .errors import (
     NoEquilibriumError,
     NotConvergedError,
 )
+from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Resultant, Traction
@@ -34,7 +35,7 @@ from .local.problem import ContactTrace, Fields, LocalProblem
 from .local.reduced import ReducedProblem
 from .local.task import LocalTask
 from .material import Anisotropic, Isotropic, Material, Orthotropic
-from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import LoadPath, StepFailedError, programme
@@ -102,7 +103,9 @@ __all__ = [
     "load_solution",
     "one_point",
     "programme",
+    "read_bodies",
     "read_gmsh",
+    "read_mesh",
     "rectangle",
     "reference",
     "register_local_solver",
