@@ -144,7 +144,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         InterfaceSide(
             bodies[place],
             surface,
-            (values @ normal_trace(surface.body.space, partners.points[place], sign * partners.normal)).tocsr(),
+            (values @ _trace(surface, partners, place, sign)).tocsr(),
             _facet_means(surface, partners.facets[place][member], weights),
         )
         for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
@@ -161,6 +161,14 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         (sides[0], sides[1]),
         (unmatched[0], unmatched[1]),
     )
+
+
+def _trace(surface: ContactSurface, partners: PointPairs, place: int, sign: float) -> scipy.sparse.csr_matrix:
+    """The normal displacement of one side, outwards, at the points, (n, dofs)."""
+    trace = normal_trace(surface.body.space, partners.points[place], sign * partners.normal)
+    smooth = partners.smooth[place]
+    stretch = None if smooth is None else smooth.stretch_trace()
+    return trace if stretch is None else trace + stretch
 
 
 def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> scipy.sparse.csr_matrix:
