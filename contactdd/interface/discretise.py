@@ -51,7 +51,7 @@ class PrescribedGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
+    x: (n, dim) where on the first surface, the smooth one behind straight facets that do not match; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
     the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; unmatched:
     the area of either surface that has no partner; facets: on meshes that match, the second surface's opposite each of
     the first's. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
@@ -152,10 +152,10 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
     unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
     return Interface(
         contact.frozen(),
-        values @ partners.points[0].x,
+        values @ partners.places[0],
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
         weights,
-        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.points[0].x).max())),
+        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.places[0]).max())),
         shape,
         given,
         (sides[0], sides[1]),

@@ -227,7 +227,7 @@ def _opposite(
         normal = turned
     weights = weights / dot(across, normal) * sides[0].body.kinematics.weight(line.T)
     smooth = [
-        None if shape is None else SmoothPoints.on_lines(side, shape, at, start, normal)
+        None if shape is None else SmoothPoints.on_lines(side, shape, at, start, normal, line)
         for side, shape, at, start in zip(sides, shapes, facets, local, strict=True)
     ]
     return PointPairs((points[0], points[1]), facets, normal, weights, segment, (smooth[0], smooth[1]))
