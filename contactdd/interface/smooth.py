@@ -87,8 +87,15 @@ class SmoothSurface:
         if len(self.glides) == 0:
             return normals
         velocities = self.glides[:, :, 0] + np.einsum("gij,pj->pgi", self.glides[:, :, 1:], x)
-        along = np.linalg.pinv(velocities, rcond=1e-6) @ (velocities @ normals[:, :, None])
-        return _units(normals - along[:, :, 0])
+        for _ in range(x.shape[1] - 1):  # as many directions as the surface can have
+            square = dot(velocities, velocities)
+            longest = square.argmax(axis=1)
+            places = np.arange(len(x)), longest
+            held = square[places] > 1e-12 * square.max()
+            along = np.where(held[:, None], velocities[places] / np.sqrt(np.where(held, square[places], 1.0))[:, None], 0.0)
+            normals = normals - dot(normals, along)[:, None] * along
+            velocities = velocities - dot(velocities, along[:, None])[..., None] * along[:, None]
+        return _units(normals)
 
 
 @dataclass(frozen=True)
