@@ -16,6 +16,7 @@ from .contact import Contact
 from .errors import (
     CheckpointError,
     ContactError,
+    ContactWarning,
     LooseBodyError,
     MeshMismatchError,
     NoEquilibriumError,
@@ -51,6 +52,7 @@ __all__ = [
     "ContactError",
     "ContactResult",
     "ContactTrace",
+    "ContactWarning",
     "CustomLayer",
     "DenseSystem",
     "Displacement",

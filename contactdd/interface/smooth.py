@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 #: A rigid motion across whose velocity the normals are, to this part, carries the surface along itself.
 GLIDING = 1e-6
 
+#: Facets that meet at less than this angle (degrees) may be meant as a curve; at more they are an edge for sure.
+CURVED = 59.0
+
 #: Normals that differ by less are those of a plane.
 FLAT = 1e-12
 
@@ -36,8 +39,8 @@ FLAT = 1e-12
 class SmoothSurface:
     """Patches through the nodes of n facets of c corners and e edges.
 
-    frame: the facets' shape; order: theirs; corners: (n, c, dim); upright: (n, c, dim) the normals of the straight facet
-    at its corners; slopes: (n, e, 2) how the patch rises above that along its edges, from both ends; bend: (n,) half of
+    frame: the facets' shape; order: theirs; corners: (n, c, dim); upright: (n, c, dim) the straight facets' normals
+    there; slopes: (n, e, 2) how the patch rises above that along its edges, from both ends; bend: (n,) half of
     the curvature, for the next term of a circle; offsets: (n, k, dim) from there to the facet's other nodes; tilt: (n,
     c, dim) from the facet's own normals at its corners to those of the smooth surface; doubt: (n,) by how much a facet
     may still be off; glides: (g, dim, 1 + dim) the rigid motions a + A x that carry the whole surface along itself.
@@ -92,7 +95,9 @@ class SmoothSurface:
             longest = square.argmax(axis=1)
             places = np.arange(len(x)), longest
             held = square[places] > 1e-12 * square.max()
-            along = np.where(held[:, None], velocities[places] / np.sqrt(np.where(held, square[places], 1.0))[:, None], 0.0)
+            along = np.where(
+                held[:, None], velocities[places] / np.sqrt(np.where(held, square[places], 1.0))[:, None], 0.0
+            )
             normals = normals - dot(normals, along)[:, None] * along
             velocities = velocities - dot(velocities, along[:, None])[..., None] * along[:, None]
         return _units(normals)
@@ -175,10 +180,21 @@ def smoothed(surface: ContactSurface) -> SmoothSurface | None:
     if np.abs(x[facets[:, count:]] - straight).max(initial=0.0) <= 1e-9 * np.ptp(x, axis=0).max():
         order, facets = 1, facets[:, :count]
     seen = facets if order <= 2 else facets[:, :count]  # of the others too many to explain
-    smooth, doubtful = vertex_normals(SurfaceNodes(x, seen, normals, 3 if order == 2 else 2))
+    nodes = SurfaceNodes(x, seen, normals, 3 if order == 2 else 2)
+    smooth, doubtful = vertex_normals(nodes)
     smooth = np.where(doubtful[:, None, None], normals, smooth)
-    patches = _patches(frame, order, x[facets], normals, smooth, doubtful)
+    patches = _patches(frame, order, nodes, smooth, doubtful)
     return patches if order == 1 else _through(patches, surface, x[facets[:, count:]], doubtful)
+
+
+def smooth_places(surface: ContactSurface) -> Floats:
+    """The points of the smooth surface above a surface's integration points, (n, dim), or these if it is flat."""
+    shape = smoothed(surface)
+    if shape is None:
+        return surface.points.x
+    facets = np.repeat(np.arange(len(surface.facets)), surface.per_facet)
+    local = np.tile(surface.rule.points(shape.frame.kind)[0], (len(surface.facets), 1))
+    return SmoothPoints.on_lines(surface, shape, facets, local, surface.points.normal, surface.points.x).x
 
 
 def _nodes(surface: ContactSurface, frame: _Frame) -> tuple[Floats, NDArray[np.intp]]:
@@ -191,10 +207,10 @@ def _nodes(surface: ContactSurface, frame: _Frame) -> tuple[Floats, NDArray[np.i
 
 
 def _patches(
-    frame: _Frame, order: int, x: Floats, own: Floats, smooth: Floats, doubtful: NDArray[np.bool_]
+    frame: _Frame, order: int, nodes: SurfaceNodes, smooth: Floats, doubtful: NDArray[np.bool_]
 ) -> SmoothSurface:
-    """The patches through the nodes x (n, k, dim) of facets that have their own and the smooth normals (n, c, dim)."""
-    corners = x[:, : len(frame.corners)]
+    """The patches through the corners of facets that have the smooth normals there, (n, c, dim)."""
+    corners, own = nodes.x[nodes.corners], nodes.normals
     upright, edges = _upright(corners, own), _along_edges(corners, frame.ends)
     # Facets that have no smooth surface stay as they are: straight between the corners, and on to the other nodes.
     slopes = np.where(doubtful[:, None, None], 0.0, _slopes(smooth, upright, edges, frame.ends))
@@ -202,8 +218,8 @@ def _patches(
     tilt = smooth - own
     tilt[np.abs(tilt).max(axis=(1, 2)) <= FLAT] = 0.0
     glides = np.zeros((0, 0, 0)) if doubtful.any() else _glides(corners, smooth)
-    nothing = np.zeros((len(x), 0, x.shape[2]))
-    bend, doubt = _bend(slopes, edges), _doubt(order, corners, edges, own, doubtful)
+    nothing = np.zeros((len(corners), 0, corners.shape[2]))
+    bend, doubt = _bend(slopes, edges), _doubt(order, nodes, edges, doubtful)
     return SmoothSurface(frame, order, corners, upright, slopes, bend, nothing, tilt, doubt, glides)
 
 
@@ -242,15 +258,13 @@ def _on_circle(first: Floats, bend: Floats) -> Floats:
     return rise
 
 
-def _doubt(order: int, corners: Floats, edges: Floats, own: Floats, doubtful: NDArray[np.bool_]) -> Floats:
+def _doubt(order: int, nodes: SurfaceNodes, edges: Floats, doubtful: NDArray[np.bool_]) -> Floats:
     """By how much facets may be off that have no smooth surface, if their neighbours' normals mean a curve, (n,)."""
     if not doubtful.any() or order > 2:
-        return np.zeros(len(corners))
-    names = np.unique(np.round(corners.reshape(-1, corners.shape[2]), 12), axis=0, return_inverse=True)[1]
-    names = names.reshape(corners.shape[:2])
-    nodes = SurfaceNodes(np.zeros((names.max() + 1, corners.shape[2])), names, own, 2)
-    mean, smooth = nodes.vertex_mean()
-    turn = np.where(smooth[names], np.sqrt(dot(mean[names] - own, mean[names] - own)), 0.0).max(axis=1)
+        return np.zeros(len(edges))
+    mean, meant = nodes.vertex_mean(np.radians(CURVED))
+    off = mean[nodes.corners] - nodes.normals
+    turn = np.where(meant[nodes.corners], np.sqrt(dot(off, off)), 0.0).max(axis=1)
     return np.where(doubtful, turn * np.sqrt(dot(edges, edges)).max(axis=1) / 4.0**order, 0.0)
 
 
@@ -270,7 +284,7 @@ def _upright(corners: Floats, own: Floats) -> Floats:
 def _glides(x: Floats, normals: Floats) -> Floats:
     """The rigid motions that carry a surface along itself, v(x)·n = 0, from its points and normals (..., dim).
 
-    On a circle its turning, on a sphere three, on a cylinder turning and shift; as a and A of a + A x, (g, dim, 1 + dim).
+    On a circle its turning, on a sphere three, on a cylinder turning and shift; a and A of a + A x, (g, dim, 1 + dim).
     """
     dim = x.shape[-1]
     x, normals = x.reshape(-1, dim), normals.reshape(-1, dim)
@@ -310,8 +324,8 @@ def _units(vectors: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class _Frame:
-    """The shape of facets: nodes (k, dim − 1) in their coordinates, corners (c, dim − 1) first; ends: (e, 2) the corners
-    of every edge."""
+    """The shape of facets: nodes (k, dim − 1) in their coordinates, corners (c, dim − 1) first; ends: (e, 2) the
+    corners of every edge."""
 
     kind: basix.CellType
     order: int

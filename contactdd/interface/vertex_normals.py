@@ -42,15 +42,14 @@ class SurfaceNodes:
     def corners(self) -> NDArray[np.intp]:
         return self.facets[:, : self.normals.shape[1]]
 
-    def vertex_mean(self) -> tuple[Floats, NDArray[np.bool_]]:
-        """The mean of the facets' normals at every node that is a vertex, (m, dim), and whether facets are smooth
-        there."""
+    def vertex_mean(self, crease: float = CREASE) -> tuple[Floats, NDArray[np.bool_]]:
+        """The mean of the facets' normals at every node that is a vertex, (m, dim), and whether that is no edge."""
         vertices, dim = self.corners.ravel(), self.x.shape[1]
         mean = np.stack([np.bincount(vertices, self.normals[..., i].ravel(), len(self.x)) for i in range(dim)], axis=1)
         length = np.linalg.norm(mean, axis=1, keepdims=True)
         mean = mean / np.where(length > 0.0, length, 1.0)
         cosine = dot(mean[self.corners], self.normals)
-        sharp = np.bincount(vertices, (cosine < np.cos(0.5 * CREASE)).ravel(), len(self.x)) > 0
+        sharp = np.bincount(vertices, (cosine < np.cos(0.5 * crease)).ravel(), len(self.x)) > 0
         return mean, (length[:, 0] > 0.0) & ~sharp
 
     def around(self, smooth: NDArray[np.bool_]) -> tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix]:
@@ -96,7 +95,7 @@ def vertex_normals(nodes: SurfaceNodes) -> tuple[Floats, NDArray[np.bool_]]:
         lengths = np.linalg.norm(said, axis=2, keepdims=True)
         said = said / np.where(lengths > 0.0, lengths, 1.0)
         normals[asking] = np.where((own[asking] >= 0)[..., None], normals[asking], said)
-    return normals, (dot(normals, normals) < 0.5).any(axis=1)
+    return normals, ~(dot(normals, nodes.normals) > np.cos(CREASE)).all(axis=1)  # not a number is none
 
 
 @dataclass(frozen=True)
@@ -200,7 +199,8 @@ def _fits(nodes: SurfaceNodes, mean: Floats, smooth: NDArray[np.bool_], seen: sc
     left = _length(data - np.einsum("vnm,vm->vn", terms, coefficients))
     slope = terms[:, :, : dim - 1]
     curved = _length(data - np.einsum("vnm,vm->vn", slope, _least_squares(slope, data)))
-    fair = left <= np.maximum(UNEXPLAINED[degree] * curved, 1e-11)
+    fair = left <= np.maximum(UNEXPLAINED[degree] * curved, 1e-11)  # rounding explains the rest
+    fair &= dot(normal, mean[vertices]) > np.cos(CREASE)
     # Back to the surface's unit of length.
     powers = np.array([sum(p) - 1 for p in _exponents(dim - 1, degree)])
     coefficients = coefficients * size[:, None] ** -powers
