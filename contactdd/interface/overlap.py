@@ -60,11 +60,16 @@ def segments(first: Floats, second: Floats, normal: Floats, points: Floats, weig
 
 
 def meet_line(
-    surface: Callable[[Floats], tuple[Floats, Floats]], line: Floats, direction: Floats, start: Floats
+    surface: Callable[[Floats], tuple[Floats, Floats]],
+    line: Floats,
+    direction: Floats,
+    start: Floats,
+    within: float = np.inf,
 ) -> Floats:
     """Where curved facets meet lines, in the facets' coordinates (n, dim − 1).
 
-    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1). Newton's iteration.
+    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1); within: how
+    far from the start to go. Newton's iteration.
     """
     local = start
     for _ in range(20):
@@ -72,7 +77,7 @@ def meet_line(
         matrix = np.concatenate([tangents, -direction[:, :, None]], axis=2)
         offset = line - x
         step = np.linalg.solve(matrix, offset[:, :, None])[:, :-1, 0]
-        local = local + step
+        local = local + step if within == np.inf else np.clip(local + step, start - within, start + within)
         if np.abs(step).max(initial=0.0) < 1e-8:  # the error is then this step's square
             break
     return local

@@ -82,6 +82,11 @@ class SmoothSurface:
         """From the first end of every edge to the second, (n, e, dim)."""
         return _along_edges(self.corners[facets], self.frame.ends)
 
+    def sizes(self, facets: Indices) -> Floats:
+        """The facets' longest edges, (n,)."""
+        edges = self.edges(facets)
+        return np.sqrt(dot(edges, edges)).max(axis=1)
+
     def _across_glides(self, x: Floats, normals: Floats) -> Floats:
         """Unit normals at x across the motions that carry the surface along itself.
 
@@ -127,13 +132,19 @@ class SmoothPoints:
         line: Floats,
     ) -> SmoothPoints:
         """Where lines through `line` (n, dim) meet the smooth surface; local: near which points of the facets."""
-        domain, entities = surface.body.mesh.domain, surface.entities[facets]
+        domain, entities, start = surface.body.mesh.domain, surface.entities[facets], local
 
         def patch(local: Floats) -> tuple[Floats, Floats]:
+            # The facets' tangents will do: the patch follows them but for its slope.
             return shape.places(facets, local), facet_map(domain, entities, local)[1]
 
-        local = meet_line(patch, line, direction, local)
-        return cls(surface, shape, facets, local, shape.places(facets, local))
+        local = meet_line(patch, line, direction, start, within=0.5)
+        x = shape.places(facets, local)
+        missed = shape.sizes(facets) * 1e-6 < np.linalg.norm(_across(x - line, direction), axis=1)
+        if missed.any():  # a patch as steep as its line: what it rises by where the line meets the facet
+            local = np.where(missed[:, None], start, local)
+            x = np.where(missed[:, None], line + _along(shape.places(facets, start) - line, direction), x)
+        return cls(surface, shape, facets, local, x)
 
     def kept(self, places: Indices) -> SmoothPoints:
         """Some of the points."""
@@ -316,6 +327,15 @@ def _along_edges(corners: Floats, ends: NDArray[np.intp]) -> Floats:
 def _combined(weights: Floats, values: Floats) -> Floats:
     """The sums of values (..., c, dim) by weights (..., c)."""
     return np.einsum("...c,...ci->...i", weights, values)
+
+
+def _along(vectors: Floats, direction: Floats) -> Floats:
+    """The part of vectors (n, dim) along unit directions."""
+    return dot(vectors, direction)[:, None] * direction
+
+
+def _across(vectors: Floats, direction: Floats) -> Floats:
+    return vectors - _along(vectors, direction)
 
 
 def _units(vectors: Floats) -> Floats:

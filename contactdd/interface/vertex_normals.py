@@ -178,7 +178,7 @@ def _fits(nodes: SurfaceNodes, mean: Floats, smooth: NDArray[np.bool_], seen: sc
     """The polynomials around all vertices that are no edge and see nodes enough."""
     degree, dim = nodes.degree, nodes.x.shape[1]
     unknowns = len(_exponents(dim - 1, degree))
-    vertices = np.flatnonzero(smooth & (np.diff(seen.indptr) > unknowns + 1))
+    vertices = np.flatnonzero(smooth & (np.diff(seen.indptr) > unknowns + 2))
     around, there = _neighbours(seen, vertices)
     offset = nodes.x[around] - nodes.x[vertices][:, None]
     size = np.sqrt(dot(offset, offset)).max(axis=1, initial=0.0)
