@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -45,27 +46,28 @@ class Contact:
         quadrature_degree: int | None = None,
         name: str | None = None,
     ) -> None:
-        first, second = _checked_side("first", first), _checked_side("second", second)
-        if first[0].mesh is None and second[0].mesh is None:
-            raise ValueError(f"first = {first[0]!r}, second = {second[0]!r}: expected one body with a mesh")
+        sides = _checked_side("first", first), _checked_side("second", second)
+        bodies = [body for body, _ in sides]
+        if all(body.mesh is None for body in bodies):
+            raise ValueError(f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one body with a mesh")
         _check_layer(layer)
         check_field("gap", gap)
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
         check_choice("quadrature", quadrature, RULES)
-        if quadrature == "vertex" and first[0].kinematics.ring:
+        if quadrature == "vertex" and bodies[0].kinematics.ring:
             raise ValueError(
                 "quadrature = 'vertex' between bodies of revolution: the vertices alone do not integrate 2πr v; "
                 "expected 'gauss' or 'facet'"
             )
-        self.sides = (first, second)
+        self.sides = sides
         self.layer = layer
         self.gap = gap
         self.measure_gap = bool(measure_gap)
         self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
         self.quadrature_degree = None if quadrature_degree is None else as_count("quadrature_degree", quadrature_degree)
-        self.name = name or f"{first[0].name}–{second[0].name}"
+        self.name = name or f"{bodies[0].name}–{bodies[1].name}"
 
     @property
     def reach(self) -> float:
@@ -96,7 +98,7 @@ class Contact:
         return f"Contact({self.name!r}: {zones}, {self.layer!r})"
 
 
-def _checked_side(name: str, side: Side) -> tuple[Body | MeshlessBody, str]:
+def _checked_side(name: str, side: Side) -> tuple[Any, str]:
     """A side of a contact as (body, surface name); a body without a mesh stands for its whole surface."""
     if isinstance(side, MeshlessBody):
         return side, ""
