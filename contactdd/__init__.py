@@ -19,6 +19,7 @@ from .contact_result import ContactResult
 from .errors import (
     CheckpointError,
     ContactError,
+    ContactWarning,
     LargeStrainWarning,
     LooseBodyError,
     MeshMismatchError,
@@ -59,6 +60,7 @@ __all__ = [
     "ContactError",
     "ContactResult",
     "ContactTrace",
+    "ContactWarning",
     "CustomLayer",
     "DenseSystem",
     "Displacement",
