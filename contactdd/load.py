@@ -6,23 +6,28 @@ A value is a number, an array, a function of the coordinates x (3, points), a UF
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
-from .base.checks import as_floats
-from .field import Field, check_field, coefficient
+from .elements import Elements
+from .field import Field, check_dimension, check_field, coefficient
 from .parameter import current
-
-if TYPE_CHECKING:
-    from .body import Body
 
 
 @dataclass(frozen=True)
 class Pressure:
-    """A normal pressure on a named surface, positive when it pushes (stress units)."""
+    """A normal pressure on a named surface, positive when it pushes.
+
+    Args:
+        surface: The name of the surface.
+        value: p (stress): a number, a function of the coordinates x (3, points), a UFL expression or a `Parameter`.
+
+    Raises:
+        TypeError, ValueError: The value can be no pressure.
+    """
 
     surface: str
     value: Field
@@ -30,14 +35,29 @@ class Pressure:
     def __post_init__(self) -> None:
         check_field("pressure", self.value)
 
-    def form(self, body: Body, v: Any) -> Any:
-        p = coefficient("pressure", self.value, body.mesh.domain, (), body.degree + 2)
-        return body.over_surface(-p * ufl.dot(ufl.FacetNormal(body.mesh.domain), v), self.surface)
+    def form(self, on: Elements, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            on: The elements of the body.
+            v: Their test function.
+        """
+        p = coefficient("pressure", self.value, on.domain, (), on.field_degree)
+        return on.over_surface(-p * ufl.dot(ufl.FacetNormal(on.domain), v), self.surface)
 
 
 @dataclass(frozen=True)
 class Traction:
-    """A surface load vector on a named surface (stress units)."""
+    """A surface load vector on a named surface.
+
+    Args:
+        surface: The name of the surface.
+        value: p (dim,) (stress): a number, a function of the coordinates x (3, points), a UFL expression or a
+            `Parameter`, with as many components as there are coordinates.
+
+    Raises:
+        TypeError, ValueError: The value can be no vector field.
+    """
 
     surface: str
     value: Field
@@ -45,47 +65,113 @@ class Traction:
     def __post_init__(self) -> None:
         check_field("traction", self.value, vector=True)
 
-    def form(self, body: Body, v: Any) -> Any:
-        p = coefficient("traction", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
-        return body.over_surface(ufl.dot(p, v), self.surface)
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        check_dimension("traction", self.value, dim)
+
+    def form(self, on: Elements, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            on: The elements of the body.
+            v: Their test function.
+        """
+        p = coefficient("traction", self.value, on.domain, (on.dim,), on.field_degree)
+        return on.over_surface(ufl.dot(p, v), self.surface)
 
 
 @dataclass(frozen=True)
 class BodyForce:
-    """A force per unit volume."""
+    """A force per unit volume.
+
+    Args:
+        value: f (dim,) (force / length³): a number, a function of the coordinates x (3, points), a UFL expression or a
+            `Parameter`, with as many components as there are coordinates.
+
+    Raises:
+        TypeError, ValueError: The value can be no vector field.
+    """
 
     value: Field
 
     def __post_init__(self) -> None:
         check_field("body force", self.value, vector=True)
 
-    def form(self, body: Body, v: Any) -> Any:
-        f = coefficient("body force", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
-        return body.over_volume(ufl.dot(f, v))
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        check_dimension("body force", self.value, dim)
+
+    def form(self, on: Elements, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            on: The elements of the body.
+            v: Their test function.
+        """
+        f = coefficient("body force", self.value, on.domain, (on.dim,), on.field_degree)
+        return on.over_volume(ufl.dot(f, v))
 
 
 @dataclass(frozen=True)
 class Resultant:
-    """A total force (dim,) spread evenly over a named surface: the same traction force / area everywhere on it.
+    """A total force spread evenly over a named surface: the same traction force / area everywhere on it.
 
-    The force is per unit of thickness in the plane, and that of the full ring in a body of revolution, where only an
-    axial one exists.
+    Args:
+        surface: The name of the surface.
+        force: (dim,) per unit of thickness in the plane, that of the full ring in a body of revolution, where only an
+            axial one exists: numbers or a `Parameter`.
+
+    Raises:
+        TypeError, ValueError: The force is no vector of finite numbers.
     """
 
     surface: str
     force: Field
 
     def __post_init__(self) -> None:
-        as_floats("force", current(self.force), "2 or 3 finite numbers")
+        if callable(current(self.force)) or isinstance(self.force, ufl.core.expr.Expr):
+            raise TypeError(f"force = {self.force!r}: expected 2 or 3 finite numbers")
+        check_field("force", self.force, vector=True)
 
-    def form(self, body: Body, v: Any) -> Any:
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        check_dimension("force", self.force, dim)
+
+    def form(self, on: Elements, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            on: The elements of the body.
+            v: Their test function.
+        """
         force = current(self.force)
-        if callable(force) or np.shape(force) != (body.mesh.dim,) or not np.all(np.isfinite(force)):
-            raise ValueError(f"force = {self.force!r}: expected {body.mesh.dim} finite numbers")
-        if body.kinematics.ring and force[0] != 0.0:
+        if callable(force) or np.shape(force) != (on.dim,) or not np.all(np.isfinite(force)):
+            raise ValueError(f"force = {self.force!r}: expected {on.dim} finite numbers")
+        if on.kinematics.ring and force[0] != 0.0:
             raise ValueError(f"force = {self.force!r}: around a ring radial forces sum to zero; expected force[0] = 0")
-        traction = fem.Constant(body.mesh.domain, np.asarray(force, dtype=float) / body.area(self.surface))
-        return body.over_surface(ufl.dot(traction, v), self.surface, body.area_metadata)
+        traction = fem.Constant(on.domain, np.asarray(force, dtype=float) / on.area(self.surface))
+        return on.over_surface(ufl.dot(traction, v), self.surface, on.area_metadata)
 
 
 Load = Pressure | Traction | BodyForce | Resultant

@@ -73,10 +73,14 @@ def facet_map(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -
 
 def facet_corners(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> Floats:
     """The corners of facets in order around each, (n, corners, dim)."""
+    return domain.geometry.x[facet_nodes(domain, entities)][:, :, : domain.topology.dim]
+
+
+def facet_nodes(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The geometry nodes at the corners of facets in order around each, (n, corners)."""
     frame = _reference_facets(compat.coordinate_map(domain).cell_type)
     # The first of a cell's geometry nodes are its vertices.
-    nodes = compat.geometry_dofmap(domain)[entities[:, :1], frame.corners[entities[:, 1]]]
-    return domain.geometry.x[nodes][:, :, : domain.topology.dim]
+    return compat.geometry_dofmap(domain)[entities[:, :1], frame.corners[entities[:, 1]]]
 
 
 def dot(a: Floats, b: Floats) -> Floats:
@@ -111,7 +115,7 @@ def _reference_facets(cell: basix.CellType) -> _ReferenceFacets:
     return _ReferenceFacets(facets[:, around], origins, axes)
 
 
-def _tabulated(element: Any, local: NDArray[np.intp], points: Floats) -> tuple[Floats, Floats]:
+def _tabulated(element: Any, local: NDArray[np.integer[Any]], points: Floats) -> tuple[Floats, Floats]:
     """Points (n, dim − 1) of the facets `local` (n,) in the reference cell, (n, dim), and a scalar element there: its
     functions and their derivatives along the facet's axes and the outward normal, (n, 1 + dim, nodes)."""
     frame = _reference_facets(element.cell_type)

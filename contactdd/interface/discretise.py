@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats
+from ..base.checks import as_floats
 from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
 from ..quadrature import Rule, rule
 from .pairing import PointPairs, matching, matching_on, pair_by_segments
-from .surface import ContactSurface, Gather
+from .smooth import smooth_places
+from .surface import ContactSurface, Gather, PointSurface
 from .trace import normal_trace
 
 
@@ -51,10 +54,12 @@ class PrescribedGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
-    the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; unmatched:
-    the area of either surface that has no partner; facets: on meshes that match, the second surface's opposite each of
-    the first's. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's; normal:
+    (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found from the meshes; shape: (n,)
+    that which is given, and how: given; sides: both bodies; unmatched: the area of either surface that has no partner;
+    facets: on meshes that match, the second surface's opposite each of the first's; doubt: (n,) by how much `measured`
+    may be off where the facets do not tell what surface is meant, None if they do. Contact integrals are sums over the
+    points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -67,6 +72,7 @@ class Interface:
     sides: tuple[InterfaceSide, InterfaceSide]
     unmatched: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
+    doubt: Floats | None = None
 
     @cached_property
     def gap(self) -> Floats:
@@ -91,8 +97,10 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
 
     facets: the second surface's opposite each of the first's, where they are known to match.
     """
-    degree = max(body.degree for body, _ in contact.sides)
+    degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
     quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
+    if any(body.mesh is None for body, _ in contact.sides):
+        return _opposite_meshless(contact, bodies, quadrature)
     first, second = _surfaces(contact, quadrature)
     matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
     if matched is None:
@@ -100,7 +108,7 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
     x, normal = first.mean(first.points.x), first.mean(first.points.normal)
     distance = dot(matched.in_order(second.mean(second.points.x)) - x, normal)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
-    given = PrescribedGap(first.points.x, first.average)
+    given = PrescribedGap(smooth_places(first) if callable(contact.gap) else first.points.x, first.average)
     shape = given.at(contact.gap)
     sides = (
         InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
@@ -112,12 +120,41 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
     return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides, facets=facets)
 
 
+def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Rule) -> Interface:
+    """The interface between a meshed surface and a body without a mesh, at the points of the meshed one."""
+    meshed = next(i for i, (body, _) in enumerate(contact.sides) if body.mesh is not None)
+    (body, surface), (partner, _) = contact.sides[meshed], contact.sides[1 - meshed]
+    own = ContactSurface(body, surface, quadrature)
+    x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
+    trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
+    places = smooth_places(own)
+    distance = _checked("gap", partner.gap(own.mean(places), normal), len(x), 1)
+    measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
+    given = PrescribedGap(places, own.average)
+    points = Gather(np.arange(len(x)), len(x))
+    sides = [
+        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+    ]
+    first, second = sides if meshed == 0 else reversed(sides)
+    outward = normal if meshed == 0 else -normal
+    return Interface(contact.frozen(), x, outward, weights, measured, given.at(contact.gap), given, (first, second))
+
+
+def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
+    """What a body without a mesh says of some points, refused unless it is finite numbers for each."""
+    array = as_floats(name, values, f"finite numbers of {points} points")
+    if array.ndim != dimensions or len(array) != points or not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} of shape {array.shape}: expected finite numbers of {points} points")
+    return array
+
+
 def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, ContactSurface]:
     """Both surfaces; where they are the same one of copies of a mesh, the second follows from the first."""
     (body, surface), (other, opposite) = contact.sides
     first = ContactSurface(body, surface, quadrature)
-    if surface == opposite and body.degree == other.degree:
-        isometry = other.mesh.isometry_from(body.mesh)
+    if surface == opposite:
+        isometry = other.elements.isometry_from(body.elements)
         if isometry is not None:
             return first, first.copied(other, isometry)
     return first, ContactSurface(other, opposite, quadrature)
@@ -144,7 +181,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         InterfaceSide(
             bodies[place],
             surface,
-            (values @ normal_trace(surface.body.space, partners.points[place], sign * partners.normal)).tocsr(),
+            (values @ _trace(surface, partners, place, sign)).tocsr(),
             _facet_means(surface, partners.facets[place][member], weights),
         )
         for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
@@ -152,15 +189,24 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
     unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
     return Interface(
         contact.frozen(),
-        values @ partners.points[0].x,
+        values @ partners.places[0],
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
         weights,
-        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.points[0].x).max())),
+        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.places[0]).max())),
         shape,
         given,
         (sides[0], sides[1]),
         (unmatched[0], unmatched[1]),
+        doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
+
+
+def _trace(surface: ContactSurface, partners: PointPairs, place: int, sign: float) -> scipy.sparse.csr_matrix:
+    """The normal displacement of one side, outwards, at the points, (n, dofs)."""
+    trace = normal_trace(surface.body.space, partners.points[place], sign * partners.normal)
+    smooth = partners.smooth[place]
+    stretch = None if smooth is None else smooth.stretch_trace()
+    return trace if stretch is None else trace + stretch
 
 
 def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> scipy.sparse.csr_matrix:

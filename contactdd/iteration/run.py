@@ -58,8 +58,21 @@ class Measured:
     residual: float
 
 
+@dataclass(frozen=True)
+class Snapshot:
+    """An iterate between two iterations, with all that the next one needs.
+
+    state: the iterate; forces: those at it; done: how many iterations led to it; memory: of Anderson's method.
+    """
+
+    state: State
+    forces: Forces
+    done: int
+    memory: Sequence[Floats]
+
+
 class Run:
-    """One run: the iterate `state` and the `history`.
+    """One run: the iterate `state` and the `history`; `snapshot` is the last complete iterate at any moment.
 
     linear: the linear problem of an iteration; history, memory: of an earlier run that this one goes on from.
     """
@@ -80,13 +93,15 @@ class Run:
         if self.anderson is not None:
             self.anderson.memory = memory
         self._ranks, self._linear = ranks, linear
-        self._size = max(problem.body.mesh.size for problem in ensemble.problems)
-        self._furthest = ABSURD * (self._size + max(problem.space.reach for problem in ensemble.problems))
-        stiffest = ensemble.rigid.largest  # and the φ that is as stiff as that
+        self._size = max(problem.length for problem in ensemble.problems)
+        prescribed = [float(np.abs(t.offset).max(initial=0.0)) for p in ensemble.problems for t in p.traces]
+        self._furthest = ABSURD * (self._size + max(prescribed, default=0.0))
+        stiffest = ensemble.rigid.stiffness_scale  # and the φ that is as stiff as that
         self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
         self._first_force = 0.0
         self._at_nodes = False
         self._began = time.process_time()
+        self.snapshot = self._complete(ensemble.forces(state))
 
     def iterate(self, gammas: Iterator[float | None], rule: StoppingCriterion, observe: Observer) -> Termination:
         """Iterate to the end, from where the history ends.
@@ -99,7 +114,7 @@ class Run:
         last = self.history[-1] if done else None
         best, best_at = self._best_so_far(rule)
         try:
-            found = self._measured(self.state)
+            found = self._measured(self.state, self.snapshot.forces)
         except NotANumberError as error:
             return self._ending("diverged", f"{error} after {done} iterations")
         for k in range(done, max(done, rule.most) + 1):  # k iterations are done
@@ -128,9 +143,14 @@ class Run:
             except StopIteration:
                 return Termination("iteration limit", f"gamma ended after {k} values: {reached}")
             self.history.append(last)
+            self.snapshot = self._complete(found.forces)
             if self._ranks.agree(observe(last)):
                 return Termination("stopped", f"as asked in iteration {k + 1}")
         return self._ending("iteration limit", f"{reached} after {k} iterations")
+
+    def _complete(self, forces: Forces) -> Snapshot:
+        """The iterate, its history complete."""
+        return Snapshot(self.state, forces, len(self.history), [] if self.anderson is None else self.anderson.memory)
 
     def _best_so_far(self, rule: StoppingCriterion) -> tuple[float, int]:
         """The smallest distance in the history, and after how many iterations it was reached."""
@@ -141,9 +161,9 @@ class Run:
                 best, best_at = distance, record.iteration
         return best, best_at
 
-    def _measured(self, state: State) -> Measured:
+    def _measured(self, state: State, forces: Forces | None = None) -> Measured:
         """The forces at an iterate, their scale and the relative residual; NotANumberError where one is none."""
-        forces = self.ensemble.forces(state)
+        forces = self.ensemble.forces(state) if forces is None else forces
         size = norm(forces.residual)
         finite = math.isfinite(size) and math.isfinite(forces.size)
         reason = self._ranks.any_says("" if finite else self._strange(state))
@@ -234,7 +254,7 @@ class Run:
         phi, state, reason = {}, self.state, ""
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
-            values = self.scheme.coefficient(interface.contact.layer, z, before, interface.x.T)
+            values = self.scheme.phi(interface.contact.layer, z, before, interface.x.T)
             phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
             if not np.isfinite(phi[index].sum()):
                 at = int(np.argmin(np.isfinite(phi[index])))
@@ -348,7 +368,7 @@ class Run:
         A body that is bent a lot and pressed a little has elastic forces so large that they cancel no better.
         """
         parts = zip(self.ensemble.problems, self.ensemble.split(self.state.deformation), strict=True)
-        elastic = math.hypot(norm(self.ensemble.load), *(p.rigid.largest * norm(d) for p, d in parts))
+        elastic = math.hypot(norm(self.ensemble.load), *(p.rigid.stiffness_scale * norm(d) for p, d in parts))
         return found.residual <= SMALL and found.residual * found.scale <= ROUNDING * elastic
 
     def _arrived(self, reason: str, found: Measured) -> Termination:

@@ -70,7 +70,7 @@ def _rows_near_edges(ensemble: Ensemble, interface: Interface) -> Floats:
     owners = ensemble.rigid.owners
     parts = [np.zeros((len(fine.weights), owner.coefficients.shape[1])) for owner in owners]
     for side in fine.sides:
-        modes = ensemble.problems[side.body].body.rigid_modes() @ owners[side.body].coefficients
+        modes = ensemble.problems[side.body].dofs.rigid_displacements(owners[side.body].coefficients)
         parts[side.body] = parts[side.body] + side.trace @ modes
     return np.sqrt(fine.weights)[:, None] * np.hstack(parts)
 
@@ -79,7 +79,7 @@ def _work_of_loads(ensemble: Ensemble) -> Floats:
     """The work of the loads on the bodies' free rigid motions, (motions,); stresses and what is prescribed do none."""
     parts = []
     for problem, owner in zip(ensemble.problems, ensemble.rigid.owners, strict=True):
-        parts.append(owner.coefficients.T @ (problem.body.rigid_modes().T @ problem.full_load))
+        parts.append(problem.dofs.rigid_displacements(owner.coefficients).T @ problem.dofs.load)
     return np.concatenate(parts)
 
 
