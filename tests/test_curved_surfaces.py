@@ -324,7 +324,7 @@ def test_a_turned_cylinder_has_the_same_normals_and_patches():
 
 
 @pytest.mark.parametrize(
-    ("shape", "cells", "tolerance"), [("quadrilateral", (24, 34), 0.02), ("quadrilateral", (48, 68), 0.01)]
+    ("shape", "cells", "tolerance"), [("quadrilateral", (24, 34), 2e-3), ("quadrilateral", (48, 68), 1e-3)]
 )
 def test_two_rings_under_a_pressure_that_varies(shape, cells, tolerance):
     """code_aster's SSNP167 with a layer between: outside 1e7 + 1e5 cos 2θ, plane strain, k = 1e9: 6.11413e6 +
@@ -350,7 +350,7 @@ def test_two_rings_under_a_pressure_that_varies(shape, cells, tolerance):
     mean = result.force / result.weights.sum()
     amplitude = 2 * (result.weights * result.pressure) @ np.cos(double) / result.weights.sum()
     assert mean == pytest.approx(6.11413e6, rel=tolerance)
-    assert amplitude == pytest.approx(121967, rel=5 * tolerance)
+    assert amplitude == pytest.approx(121967, rel=tolerance)
 
 
 def _wavering(x):
