@@ -13,7 +13,7 @@ from dolfinx import mesh as dmesh
 from numpy.typing import NDArray
 
 from .base import compat
-from .base.arrays import Floats
+from .base.arrays import Floats, Integers
 from .base.checks import as_count, as_floats, check_choice, finite, listed
 from .base.conformity import hanging_nodes, pieces, ring_edges
 from .base.facets import facet_corners, facet_entities, facet_nodes
@@ -104,9 +104,9 @@ class Mesh:
         return mesh
 
     @cached_property
-    def piece_of_cell(self) -> NDArray[np.int64]:
+    def piece_of_cell(self) -> Integers:
         """The number of the piece that each cell belongs to, (cells,); different pieces share no node."""
-        corners = len(basix.geometry(compat.coordinate_map(self.domain).cell_type))
+        corners = np.asarray(basix.geometry(compat.coordinate_map(self.domain).cell_type)).shape[0]
         return pieces(compat.geometry_dofmap(self.domain)[:, :corners])
 
     def _pieces_known(self) -> dict[str, Any]:
@@ -245,10 +245,10 @@ def from_dolfinx(
 
 
 def from_arrays(
-    cells: NDArray[np.int64],
+    cells: Integers,
     x: Floats,
     element: Any,
-    surfaces: Mapping[str, NDArray[np.int64]],
+    surfaces: Mapping[str, Integers],
     left_out: Mapping[str, str],
 ) -> Mesh:
     """The mesh of cells (cells, nodes), their nodes at x (nodes, dim) in the order of the coordinate element.

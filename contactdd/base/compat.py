@@ -154,7 +154,7 @@ def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64]) -> dmesh.Mesh:
     return dmesh.Mesh(mesh, ufl.Mesh(domain.ufl_domain().ufl_coordinate_element()))
 
 
-def from_arrays(cells: NDArray[np.int64], x: NDArray[np.float64], element: Any) -> dmesh.Mesh:
+def from_arrays(cells: NDArray[np.integer[Any]], x: NDArray[np.float64], element: Any) -> dmesh.Mesh:
     """The mesh of cells (cells, nodes) with nodes at x (nodes, dim); dolfinx does not check them.
 
     The nodes of a cell are in the order of the coordinate element, as in `geometry_dofmap`.

@@ -77,6 +77,8 @@ def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **p
 
 def _contents(path: Path, found: str, dim: int | None, order: int, parameters: Mapping[str, float]) -> Contents:
     """What a file in a format that is read here holds."""
+    if dim not in (None, 2, 3):
+        raise ValueError(f"dim = {dim!r}: expected 2 or 3")
     if found in ("gmsh mesh", "gmsh script"):
         from . import gmsh
 
