@@ -173,6 +173,12 @@ class Mesh:
         vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities, left_out=left_out)
         return mesh
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError(
+            "a mesh, and what is made with it, can't be pickled or copied deeply, since dolfinx keeps it; expected a "
+            "function that makes the scene anew, a cd.Parameter for other loads, or scene.with_layer(...)"
+        )
+
     def __repr__(self) -> str:
         counts = ", ".join(f"{name}: {len(facets)}" for name, facets in self.surfaces.items())
         return f"Mesh({self.cells} {self.domain.topology.cell_name()}s; facets {counts})"
