@@ -12,6 +12,10 @@ from copy import copy
 from functools import cache
 from typing import Any
 
+with contextlib.suppress(ImportError):
+    # The wheel that PyPI offers keeps its libraries in this module; it has to come before dolfinx.
+    import dolfinx_solver  # noqa: F401
+
 import basix.ufl
 import dolfinx
 import numpy as np
@@ -22,10 +26,6 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import compiler
-
-with contextlib.suppress(ImportError):
-    # The wheel that PyPI offers keeps its libraries in this module; it has to come before dolfinx.
-    import dolfinx_solver  # noqa: F401
 
 
 def _let_warnings_be_seen() -> None:
