@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import itertools
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from dolfinx import fem
 
 import contactdd as cd
 from contactdd.base.facets import facet_nodes
+from contactdd.files import read
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 
@@ -281,6 +283,10 @@ def test_elements_over_several_lines_and_with_more_nodes_than_needed(tmp_path):
     assert len(curved.domain.geometry.x) == 27
     assert len(straight.domain.geometry.x) == 8
     assert [volume(curved), volume(straight)] == pytest.approx([1, 1])
+
+
+def test_the_example():
+    assert doctest.testmod(read).failed == 0
 
 
 def test_parameters_are_for_scripts(tmp_path):

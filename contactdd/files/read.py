@@ -43,7 +43,7 @@ def read_gmsh(
 def read_mesh(
     path: str | Path, body: str | None = None, *, dim: int | None = None, order: int = 1, **parameters: float
 ) -> Mesh:
-    """The mesh of a body in a file of gmsh, Abaqus or CalculiX, or in a universal file, with its named surfaces.
+    r"""The mesh of a body in a file of gmsh, Abaqus or CalculiX, or in a universal file, with its named surfaces.
 
     Args:
         path: the file; how it begins tells its format.
@@ -57,6 +57,15 @@ def read_mesh(
         FileNotFoundError: if there is no such file.
         ValueError: if the format is not read here, with what to do; if there is no such group; for cells of several
             kinds, or that cannot be computed with; for groups of facets that belong to no cell.
+
+    Example:
+        >>> import tempfile, pathlib
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "square.inp")
+        >>> nodes = "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n"
+        >>> cells = "*ELEMENT, TYPE=CPE4, ELSET=block\n9, 1, 2, 3, 4\n"
+        >>> _ = path.write_text(nodes + cells + "*SURFACE, NAME=top\n9, S3\n")
+        >>> read_mesh(path, "BLOCK")
+        Mesh(1 quadrilaterals; facets TOP: 1)
     """
     path = Path(path)
     return _contents(path, format_of(path), dim, order, parameters).mesh(body)
