@@ -75,7 +75,17 @@ def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **p
     """Every group of cells in a file as a mesh of its own, {name: mesh}; see `read_mesh`.
 
     Groups may overlap: which of them are the bodies is yours to choose. `Mesh.pieces` takes apart what one group
-    holds together. A file without groups of cells is refused.
+    holds together.
+
+    Args:
+        path: the file; how it begins tells its format.
+        dim: 2 or 3; by default 3 if there are solid cells.
+        order: of the geometry that a .geo script gets.
+        parameters: numbers of a .geo script.
+
+    Raises:
+        FileNotFoundError: if there is no such file.
+        ValueError: if there are no groups of cells, or for what `read_mesh` refuses.
     """
     path = Path(path)
     found = _contents(path, format_of(path), dim, order, parameters)
