@@ -9,6 +9,10 @@ class ContactError(Exception):
     """The base of the errors that a run of the solver can end in."""
 
 
+class ContactWarning(UserWarning):
+    """A result that is right for the discretised scene and may not be for the one that was meant."""
+
+
 class LooseBodyError(ContactError):
     """A body that neither its supports nor the active contact hold.
 
@@ -63,3 +67,7 @@ class CheckpointError(ContactError, ValueError):
 
 class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
+
+
+class LargeStrainWarning(UserWarning):
+    """Strains or rotations of a solution are so large that linear theory, and with it the solution, is doubtful."""

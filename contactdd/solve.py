@@ -6,6 +6,7 @@ import itertools
 import math
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from functools import wraps
 from pathlib import Path
@@ -15,7 +16,7 @@ import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
 from .base.ranks import Ranks
-from .errors import NoEquilibriumError, NotConvergedError
+from .errors import ContactWarning, NoEquilibriumError, NotConvergedError
 from .history import Record
 from .iteration.checkpoint import CheckpointWriter, read
 from .iteration.interruption import interrupts_agreed
@@ -36,6 +37,9 @@ P = ParamSpec("P")
 
 #: γ of the decomposed methods if nothing is said: the paper's best.
 BEST_GAMMA = 0.6
+
+#: What part of the layer's compression facets may hide without a word.
+DOUBTFUL = 0.1
 
 
 def _by_all_ranks(function: Callable[P, Solution]) -> Callable[P, Solution]:
@@ -137,11 +141,33 @@ def solve(
 
         ending = run.iterate(relaxation, rule, observe)
     solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
+    _warn_of_facets(solution)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
         if ending.escape is not None:
             raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution)
         raise NotConvergedError(ending.status, ending.reason, solution)
+    if solution.converged:
+        solution.warn_of_large_strains()
     return solution
+
+
+def _warn_of_facets(solution: Solution) -> None:
+    """Warn where what facets hide of a curved surface is not small beside what the layer is compressed by."""
+    for interface in solution.interfaces:
+        if interface.doubt is not None and solution.scene.ranks.comm.rank == 0:
+            result = solution.contact(interface.contact.name)
+            near = np.flatnonzero((interface.doubt > 0.0) & (result.gap < interface.doubt))
+            doubt = float(interface.doubt[near].mean()) if len(near) else 0.0
+            compression = float(-result.compression[near].mean()) if len(near) else 0.0
+            if doubt > DOUBTFUL * compression:
+                warnings.warn(
+                    f"contact {interface.contact.name!r}: where the surfaces touch or nearly do, their facets do not "
+                    f"tell what curved surface is meant, if any is: the gap may be off by {doubt:.3g}, while the layer "
+                    f"is compressed by {compression:.3g}; a finer mesh, one of second order, facets that match, or "
+                    "measure_gap=False with the gap given would tell",
+                    ContactWarning,
+                    stacklevel=3,
+                )
 
 
 def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> StoppingCriterion:

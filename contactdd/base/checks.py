@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from numbers import Real
 from typing import Any
 
@@ -77,3 +78,8 @@ def as_tuple_of(name: str, values: Any, kind: Any) -> tuple:
         kinds = " or ".join(each.__name__ for each in getattr(kind, "__args__", (kind,)))
         raise TypeError(f"{name} = {values!r}: expected a list of {kinds}")
     return tuple(values)
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names for a message, in order."""
+    return ", ".join(repr(name) for name in sorted(names)) or "none"
