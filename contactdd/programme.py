@@ -99,7 +99,7 @@ class LoadPath:
         return self.solutions
 
     def _bodies(self) -> list[list[BodyResult]]:
-        return [[solution.body(body) for body in solution.scene.bodies] for solution in self._kept()]
+        return [[solution.body(body) for body in solution._with_mesh()] for solution in self._kept()]
 
     def _labels(self) -> list[str]:
         """Each step's number and the parameter's value."""
