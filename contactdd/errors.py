@@ -72,5 +72,5 @@ class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
 
 
-class LargeStrainWarning(UserWarning):
+class LargeStrainWarning(ContactWarning):
     """Strains or rotations of a solution are so large that linear theory, and with it the solution, is doubtful."""
