@@ -24,8 +24,14 @@ from .errors import (
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Resultant, Traction
+from .local.choose import LOCAL_SOLVERS, register_local_solver
+from .local.dense import DenseSystem
+from .local.problem import ContactTrace, Fields, LocalProblem
+from .local.reduced import ReducedProblem
+from .local.task import LocalTask
 from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import Path, StepFailedError, programme
 from .scene import Scene
@@ -35,6 +41,7 @@ from .solve import solve
 from .support import Displacement, Fixed, Spring, Symmetry
 
 __all__ = [
+    "LOCAL_SOLVERS",
     "SCHEMES",
     "Anisotropic",
     "Body",
@@ -43,17 +50,23 @@ __all__ = [
     "Contact",
     "ContactError",
     "ContactResult",
+    "ContactTrace",
     "CustomLayer",
+    "DenseSystem",
     "Displacement",
+    "Fields",
     "Fixed",
     "History",
     "Isotropic",
     "Layer",
     "LinearLayer",
+    "LocalProblem",
+    "LocalTask",
     "LooseBodyError",
     "Material",
     "Mesh",
     "MeshMismatchError",
+    "MeshlessBody",
     "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
@@ -62,6 +75,7 @@ __all__ = [
     "PowerLayer",
     "Pressure",
     "Record",
+    "ReducedProblem",
     "Resultant",
     "Scene",
     "Scheme",
@@ -80,6 +94,7 @@ __all__ = [
     "read_gmsh",
     "rectangle",
     "reference",
+    "register_local_solver",
     "solve",
 ]
 

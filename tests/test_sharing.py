@@ -7,7 +7,7 @@ import pytest
 from scenes import block, stack
 
 import contactdd as cd
-from contactdd.local.condensation import SparseCondensation
+from contactdd.local import choose
 
 
 def plates(moduli: list[float], heights: list[float] | None = None) -> cd.Scene:
@@ -25,7 +25,12 @@ def plates(moduli: list[float], heights: list[float] | None = None) -> cd.Scene:
 
 def factors(scene: cd.Scene) -> int:
     """How many factorisations the bodies have between them."""
-    return len({id(problem._inside) for problem in scene.subproblems("condensed")})
+    return len(
+        {
+            id(getattr(problem.condensation, "original", problem.condensation))
+            for problem in scene.local_problems("condensed")
+        }
+    )
 
 
 def test_only_identical_bodies_share():
@@ -38,7 +43,7 @@ def test_only_identical_bodies_share():
 def test_sharing_changes_nothing(method, monkeypatch):
     tolerance = 1e-10 if method == "auto" else 1e-6
     shared = cd.solve(plates([2e5] * 5), method, tolerance=tolerance)
-    monkeypatch.setattr(SparseCondensation, "fits", lambda *arguments: False)
+    monkeypatch.setattr(choose, "originals", lambda bodies: [None] * len(bodies))
     scene = plates([2e5] * 5)
     alone = cd.solve(scene, method, tolerance=tolerance)
     assert factors(scene) == 5

@@ -117,7 +117,7 @@ def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
 def with_cell(element: Any) -> Any:
     """The same basix element with its UFL cell: others make a new one, which is slow, whenever UFL asks."""
 
-    class WithCell(type(element)):
+    class WithCell(type(element)):  # type: ignore[misc]
         cell = element.cell
 
     same = copy(element)
