@@ -8,7 +8,7 @@ The way of the data: mesh and material → body → contact → scene → solve 
 from importlib import import_module
 from types import ModuleType
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 from .base import compat
 from .body import Body

@@ -107,3 +107,13 @@ def test_notebook(notebook, monkeypatch):
     assert "the paper's start: diverged" in ends["0.7", "one-point"]
     assert all(ends[gamma, "chord"].count("converged") == 2 for gamma in ("0.7", "0.9"))
     assert "converged" not in ends["0.9", "kurchatov"]
+
+
+def test_a_demo_is_a_notebook(tmp_path, monkeypatch):
+    """Cell by cell in a kernel, which has no command line and no file of its own."""
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), str(ROOT / "demos")]))
+    monkeypatch.setenv("CONTACTDD_DEMOS_OUT", str(tmp_path))
+    cells = [nbformat.v4.new_code_cell(cell) for cell in code_cells(ROOT / "demos" / "three_bodies.py")]
+    content = nbformat.v4.new_notebook(cells=cells)
+    nbclient.NotebookClient(content, timeout=300, kernel_name="python3").execute()
+    assert json.loads((tmp_path / "three_bodies" / "summary.json").read_text())["imbalance"] < 1e-8

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ MESHES = DEMOS.parent / "meshes"
 
 
 class Report:
-    """The folder that a demo writes to, `--out DIR` or demos/out/<name of the demo>.
+    """The folder that a demo writes to, `--out DIR` or demos/out/<name of the demo> (CONTACTDD_DEMOS_OUT/<name>).
 
     script: the demo's path or name; description: what `--help` says; quick: what `--quick` does, for a study that has
     it; `self.quick` tells whether it was given. In a notebook, which has no command line, nothing is read from it.
@@ -23,7 +24,7 @@ class Report:
         self, script: str, description: str | None, arguments: list[str] | None = None, quick: str = ""
     ) -> None:
         parser = argparse.ArgumentParser(description=description)
-        default = DEMOS / "out" / Path(script).stem
+        default = Path(os.environ.get("CONTACTDD_DEMOS_OUT", DEMOS / "out")) / Path(script).stem
         parser.add_argument("--out", type=Path, default=default, metavar="DIR", help="where the results go")
         if quick:
             parser.add_argument("--quick", action="store_true", help=quick)
