@@ -91,7 +91,7 @@ numbers = {}
 for contact, balance in statics.items():
     result = solution.contact(contact)
     numbers[contact] = {"force": result.force, "statics": balance, "peak_pressure": float(result.pressure.max())}
-    print(f"{contact:12} force {result.force:.9f} N/mm, statics {balance:.9f}, alone {result.unmatched} mm")
+    print(f"{contact:12} force {result.force:.9f} N/mm, statics {balance:.9f}, alone {result.unpaired_area} mm")
 
 # %% [markdown]
 # ## Pictures
