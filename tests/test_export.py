@@ -214,6 +214,7 @@ RANKS = """
     from mpi4py import MPI
     sys.path.insert(0, {tests!r})
     import contactdd as cd, test_numbers_out
+    from scenes import groove
     scene = test_numbers_out.blocks(lambda x: groove(x, middle=1.5))
     scene = cd.Scene(scene.bodies, scene.contacts, comm=MPI.COMM_WORLD)
     solution = cd.solve(scene)
