@@ -27,6 +27,8 @@ from .errors import (
     NotConvergedError,
 )
 from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
+from .half_plane import HalfPlane
+from .half_space import AxisymmetricHalfSpace, HalfSpace
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Resultant, Traction
@@ -39,10 +41,13 @@ from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
+from .periodic import ElasticStrip, PeriodicHalfPlane
 from .programme import LoadPath, StepFailedError, programme
+from .rigid_body import RigidBody
 from .saved import SavedSolution, load_solution
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
+from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
 from .solution import Solution
 from .solve import solve
 from .support import Displacement, Fixed, Spring, Symmetry
@@ -52,24 +57,32 @@ __all__ = [
     "LOCAL_SOLVERS",
     "SCHEMES",
     "Anisotropic",
+    "AxisymmetricHalfSpace",
     "Body",
     "BodyForce",
     "BodyResult",
     "CheckpointError",
+    "Cone",
     "Contact",
     "ContactError",
     "ContactResult",
     "ContactTrace",
     "ContactWarning",
     "CustomLayer",
+    "Cylinder",
     "DenseSystem",
     "Displacement",
+    "ElasticStrip",
     "Fields",
     "Fixed",
+    "FlatPunch",
+    "HalfPlane",
+    "HalfSpace",
     "History",
     "Isotropic",
     "LargeStrainWarning",
     "Layer",
+    "LevelSet",
     "LinearLayer",
     "LoadPath",
     "LocalProblem",
@@ -83,15 +96,21 @@ __all__ = [
     "NotConvergedError",
     "Orthotropic",
     "Parameter",
+    "PeriodicHalfPlane",
+    "Plane",
     "PowerLayer",
     "Pressure",
+    "Profile",
     "Record",
     "ReducedProblem",
     "Resultant",
+    "RigidBody",
     "SavedSolution",
     "Scene",
     "Scheme",
+    "Shape",
     "Solution",
+    "Sphere",
     "Spring",
     "StepFailedError",
     "SurfaceResult",

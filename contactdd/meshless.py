@@ -10,7 +10,7 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from .base.arrays import Floats
+from .base.arrays import Floats, Operator
 from .kinematics import kinematics as find_kinematics
 
 
@@ -55,8 +55,10 @@ class MeshlessBody(ABC):
         """
 
     @abstractmethod
-    def normal_displacement(self, x: Floats, direction: Floats) -> Floats:
+    def normal_displacement(self, x: Floats, direction: Floats) -> Operator:
         """The operator (n, dofs) from the degrees of freedom to u_n of the surface opposite the points.
+
+        An array or a sparse matrix, which bodies of many degrees of freedom need.
 
         u_n is counted along this body's outward normal, which is −direction.
 
@@ -64,6 +66,15 @@ class MeshlessBody(ABC):
             x: (n, dim) the points, on the other body's surface.
             direction: (n, dim) unit vectors, out of the other body.
         """
+
+    def contact_points(self) -> tuple[Floats, Floats, Floats] | None:
+        """The points of its own at which a contact with another body without a mesh is evaluated.
+
+        Returns:
+            Points (n, dim) on its surface, its outward unit normals (n, dim) and the areas (n,) that they stand for,
+            that of the full ring of a body of revolution; None if it has none.
+        """
+        return None
 
     @property
     def size(self) -> int:
@@ -93,4 +104,6 @@ class MeshlessBody(ABC):
         Args:
             forces: (dofs,) on the degrees of freedom.
         """
+        if self.kinematics.ring:
+            return np.array([0.0, forces[0]])
         return np.array(forces[: self.kinematics.dim])

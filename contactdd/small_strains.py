@@ -90,6 +90,8 @@ def suspicious(interfaces: Sequence[Interface], gaps: Sequence[Floats]) -> bool:
 
 def _noted(interface: Interface, gap: Floats) -> bool:
     scales = [_scales(body) for body, _ in interface.contact.sides if body.mesh]
+    if not scales:  # what has no mesh tells no strains
+        return False
     thickness, stiffness = (min(values) for values in zip(*scales, strict=True))
     if np.abs(interface.gap - gap).max(initial=0.0) > NOTED_APPROACH * thickness:
         return True

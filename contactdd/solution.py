@@ -110,7 +110,8 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
         stress = interface.contact.layer.contact_stress(gaps)
-        meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
+        sides = zip(interface.sides, interface.contact.sides, strict=True)
+        meshed = next((side.surface for side, (body, _) in sides if body.mesh), None)
         return ContactResult(
             interface.x,
             interface.normal,
@@ -120,8 +121,8 @@ class Solution:
             -stress,
             interface.unmatched,
             interface.gap,
-            meshed.corners,
-            meshed.body.kinematics.ring,
+            None if meshed is None else meshed.corners,
+            interface.contact.sides[0][0].kinematics.ring,
         )
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
@@ -299,12 +300,12 @@ class Solution:
     @property
     def largest_strain(self) -> float:
         """The largest principal strain, in absolute value, at the middles of all cells."""
-        return max(size.strain for size in self.strain_sizes)
+        return max((size.strain for size in self.strain_sizes), default=0.0)
 
     @property
     def largest_rotation(self) -> float:
         """The largest rotation (rad) at the middles of all cells."""
-        return max(size.rotation for size in self.strain_sizes)
+        return max((size.rotation for size in self.strain_sizes), default=0.0)
 
     def warn_of_large_strains(self) -> None:
         """Warn (`LargeStrainWarning`) where linear theory is doubtful; look closer only where contacts hint at it."""

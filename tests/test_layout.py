@@ -13,15 +13,15 @@ PACKAGE = Path(__file__).parents[1] / "contactdd"
 #: Each level imports from those before it and from its own; a name is a file or a folder of the package.
 LEVELS = [
     ["base"],
-    ["errors", "parameter"],
+    ["errors", "influence", "parameter"],
     ["field", "kinematics", "layer", "quadrature", "mesh", "material"],
-    ["files"],
+    ["files", "shapes"],
     ["body_result", "contact_result", "surface_result"],
     ["view"],
     ["history"],
     ["elements"],
     ["support", "load"],
-    ["body", "meshless"],
+    ["body", "elastic_surface", "half_plane", "half_space", "meshless", "periodic", "rigid_body"],
     ["contact"],
     ["interface"],
     ["sample", "small_strains"],

@@ -97,6 +97,8 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
 
     facets: the second surface's opposite each of the first's, where they are known to match.
     """
+    if all(body.mesh is None for body, _ in contact.sides):
+        return _between_meshless(contact, bodies)
     degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
     quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
     if any(body.mesh is None for body, _ in contact.sides):
@@ -126,7 +128,7 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Ru
     (body, surface), (partner, _) = contact.sides[meshed], contact.sides[1 - meshed]
     own = ContactSurface(body, surface, quadrature)
     x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
-    trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
+    trace = _operator(partner.normal_displacement(x, normal), len(x))
     places = smooth_places(own)
     distance = _checked("gap", partner.gap(own.mean(places), normal), len(x), 1)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
@@ -139,6 +141,38 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Ru
     first, second = sides if meshed == 0 else reversed(sides)
     outward = normal if meshed == 0 else -normal
     return Interface(contact.frozen(), x, outward, weights, measured, given.at(contact.gap), given, (first, second))
+
+
+def _between_meshless(contact: Contact, bodies: tuple[int, int]) -> Interface:
+    """The interface between two bodies without a mesh, at the points that the first offers, or else the second."""
+    offered = [body.contact_points() for body, _ in contact.sides]
+    owner = 0 if offered[0] is not None else 1
+    x, outward, weights = offered[owner]
+    x, outward = _checked("contact_points", x, len(weights), 2), _checked("contact_points", outward, len(weights), 2)
+    weights = _checked("contact_points", weights, len(x), 1)
+    own, partner = contact.sides[owner][0], contact.sides[1 - owner][0]
+    measured = contact.measure_gap * without_rounding(
+        _checked("gap", partner.gap(x, outward), len(x), 1), np.abs(x).max()
+    )
+    given, sides = PrescribedGap(x, None), []
+    for place, body, direction in ((owner, own, -outward), (1 - owner, partner, outward)):
+        trace = _operator(body.normal_displacement(x, direction), len(x))
+        sides.append(
+            InterfaceSide(bodies[place], PointSurface(weights, trace), trace, Gather(np.arange(len(x)), len(x)))
+        )
+    first, second = sides if owner == 0 else reversed(sides)
+    normal = outward if owner == 0 else -outward
+    return Interface(contact.frozen(), x, normal, weights, measured, given.at(contact.gap), given, (first, second))
+
+
+def _operator(values: Any, points: int) -> scipy.sparse.csr_matrix:
+    """The normal displacement that a body without a mesh gives at some points, an array or a sparse matrix."""
+    if not scipy.sparse.issparse(values):
+        return scipy.sparse.csr_matrix(_checked("normal_displacement", values, points, 2))
+    trace = scipy.sparse.csr_matrix(values)
+    if trace.shape[0] != points or not np.all(np.isfinite(trace.data)):
+        raise ValueError(f"normal_displacement of shape {trace.shape}: expected finite numbers of {points} points")
+    return trace
 
 
 def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
