@@ -51,7 +51,7 @@ class Contact:
         bodies = [body for body, _ in sides]
         if all(body.mesh is None and body.contact_points() is None for body in bodies):
             raise ValueError(
-                f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one body with a mesh, or with points of its own"
+                f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one with a mesh, or with points of its own"
             )
         _check_layer(layer)
         if bodies[0].kinematics.dim != bodies[1].kinematics.dim:

@@ -167,7 +167,7 @@ def galerkin(
     """The flexibility of pressures that are linear between nodes (N,): the mean u_n by each function under each other.
 
     answer: from points (n,) to u_n there of each function, (n, N); areas: (N,) of the functions; weight: the area for a
-    length at points. ∫ ψ_i u_j over both areas, by Gauss points,
+    length at points. ∫ ψ_i u_j over both areas, by Gauss points.
     """
     points, weights = np.polynomial.legendre.leggauss(POINTS)
     middles, halves = 0.5 * (nodes[1:] + nodes[:-1]), 0.5 * np.diff(nodes)

@@ -107,9 +107,7 @@ class RigidBody(MeshlessBody):
         if not self.kinematics.ring:
             return values
         if values[0] != 0.0 and not (np.isnan(values[0]) and np.isnan(values[1])):
-            raise ValueError(
-                f"{name} = {values.tolist()}: a body of revolution moves along its axis; expected (0, ...)"
-            )
+            raise ValueError(f"{name} = {values.tolist()}: a ring moves along its axis only; expected (0, ...)")
         return values[1:]
 
     def _turned(self, name: str, value: Components, free: bool = False) -> Floats:

@@ -97,6 +97,10 @@ class Solution:
             self._displacements[name] = function
         return self._displacements[name]
 
+    def _degrees_of_freedom(self, body: str | Body) -> Floats:
+        """The displacement (dofs,) of a body, with a mesh or without."""
+        return self._fields[self._place(body)].displacement
+
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """Pressure, gap and compression of a contact at its points.
 

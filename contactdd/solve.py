@@ -228,7 +228,7 @@ def _start(
 ) -> starts.State:
     """The first iterate."""
     if isinstance(start, Solution):
-        return starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
+        return starts.from_displacements(ensemble, start._degrees_of_freedom)
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
