@@ -21,6 +21,8 @@ class HalfPlane(ElasticSurface):
     a distance `reference` from the load, u_n = (2/(π E*)) ∫ p ln(reference / |x − s|) ds. The reference changes how far
     bodies approach, never the pressures under a given force. There the half-plane is held, moved or loaded.
 
+    Nodes should be no closer than the points of a mesh that touches them, whose forces would else be needles.
+
     Args:
         name: Unique in a scene.
         material: `Isotropic`, of two numbers.

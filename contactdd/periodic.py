@@ -19,7 +19,8 @@ from .parameter import Parameter
 class PeriodicSurface(ElasticSurface):
     """A plane elastic surface whose pressure repeats after a period, at equidistant nodes.
 
-    A pressure cos kx moves it by c(k) cos kx / E*; between the nodes it is linear for contacts with meshes.
+    A pressure cos kx moves it by c(k) cos kx / E*; between the nodes it is linear for contacts with meshes. Contacts
+    with bodies without a mesh are looked at between `origin` and one period further: there such a partner has to be.
 
     Attributes:
         period: (length).
