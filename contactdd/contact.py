@@ -25,8 +25,8 @@ class Contact:
     function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
     do not match; measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for
     surfaces that fit but whose straight facets do not; search_distance: how far apart partners may be (length), by
-    default the smaller body's size; quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree:
-    another degree of exactness; name: by default "first–second" by the bodies' names.
+    default the smaller body's size; quadrature: "gauss", "mortar", "vertex" or "facet" (see `quadrature`);
+    quadrature_degree: another degree of exactness; name: by default "first–second" by the bodies' names.
     """
 
     def __init__(
@@ -51,11 +51,11 @@ class Contact:
         check_field("gap", gap)
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
-        check_choice("quadrature", quadrature, RULES)
-        if quadrature == "vertex" and first[0].kinematics.ring:
+        check_choice("quadrature", quadrature, tuple(RULES))
+        if first[0].kinematics.ring and not RULES[quadrature].rings:
             raise ValueError(
-                "quadrature = 'vertex' between bodies of revolution: the vertices alone do not integrate 2πr v; "
-                "expected 'gauss' or 'facet'"
+                f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
+                f"expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"
             )
         self.sides = (first, second)
         self.layer = layer

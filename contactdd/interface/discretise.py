@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 
 import numpy as np
 import scipy
@@ -14,8 +15,9 @@ from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
-from ..quadrature import Rule, rule
-from .pairing import PointPairs, matching, matching_on, pair_by_segments
+from ..quadrature import Quadrature, find_quadrature
+from .nodal import LinearFunctions, hats, side_of_nodes
+from .pairing import Matching, PointPairs, matching, matching_on, pair_by_segments
 from .surface import ContactSurface, Gather
 from .trace import normal_trace
 
@@ -52,9 +54,10 @@ class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
     x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
-    the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; unmatched:
-    the area of either surface that has no partner; facets: on meshes that match, the second surface's opposite each of
-    the first's. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal:
+    makes the linear functions of one surface's nodes; unmatched: the area of either surface that has no partner;
+    facets: on meshes that match, the second surface's opposite each of the first's. Contact integrals are sums over
+    the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -65,8 +68,14 @@ class Interface:
     shape: Floats
     given: PrescribedGap
     sides: tuple[InterfaceSide, InterfaceSide]
+    nodal: Callable[[], LinearFunctions]
     unmatched: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
+
+    @cached_property
+    def functions(self) -> LinearFunctions:
+        """The linear functions of the nodes of one surface."""
+        return self.nodal()
 
     @cached_property
     def gap(self) -> Floats:
@@ -92,8 +101,10 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
     facets: the second surface's opposite each of the first's, where they are known to match.
     """
     degree = max(body.degree for body, _ in contact.sides)
-    quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
+    quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     first, second = _surfaces(contact, quadrature)
+    if quadrature.of_nodes:
+        return _on_segments(contact, bodies, first, second)
     matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
     if matched is None:
         return _on_segments(contact, bodies, first, second)
@@ -108,11 +119,21 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
             bodies[1], second, matched.in_order(second.mean(second.trace).tocsr()), second.spread(matched.places)
         ),
     )
-    facets = matched.facets
-    return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides, facets=facets)
+    return Interface(
+        contact.frozen(),
+        x,
+        normal,
+        first.value_weights,
+        measured,
+        shape,
+        given,
+        sides,
+        lambda: _linear_functions(first, second, matched),
+        facets=matched.facets,
+    )
 
 
-def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, ContactSurface]:
+def _surfaces(contact: Contact, quadrature: Quadrature) -> tuple[ContactSurface, ContactSurface]:
     """Both surfaces; where they are the same one of copies of a mesh, the second follows from the first."""
     (body, surface), (other, opposite) = contact.sides
     first = ContactSurface(body, surface, quadrature)
@@ -124,19 +145,19 @@ def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, Conta
 
 
 def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurface, second: ContactSurface) -> Interface:
-    """The interface between meshes that do not match; the rule "facet" takes one value per segment."""
-    if contact.quadrature == "vertex":
+    """The interface on the segments of both surfaces, as between meshes that do not match."""
+    surfaces, rule = (first, second), first.rule
+    if not rule.splits:
         raise MeshMismatchError(
-            f"contact {contact.name!r}: quadrature = 'vertex' needs meshes that match along the contact; "
-            "expected 'gauss' or 'facet'"
+            f"contact {contact.name!r}: quadrature = {rule.name!r} needs meshes that match along the contact; "
+            "expected 'gauss', 'facet' or 'mortar'"
         )
     partners = pair_by_segments(contact, first, second)
-    if contact.quadrature == "facet":
-        values, weights = partners.mean(), np.bincount(partners.segment, partners.weights)
-        member = np.unique(partners.segment, return_index=True)[1]
-    else:
-        values, weights = scipy.sparse.eye(len(partners.weights), format="csr"), partners.weights
-        member = np.arange(len(weights))
+    nodal = cache(lambda: side_of_nodes(first, second))
+    sampling = rule.sampling(
+        partners.weights, partners.segment, lambda: hats(surfaces[nodal()], partners.points[nodal()])
+    )
+    values = sampling.mean
     normal = values @ partners.normal
     given = PrescribedGap(partners.middle, values)
     shape = given.at(contact.gap)
@@ -145,33 +166,48 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
             bodies[place],
             surface,
             (values @ normal_trace(surface.body.space, partners.points[place], sign * partners.normal)).tocsr(),
-            _facet_means(surface, partners.facets[place][member], weights),
+            _facet_means(surface, partners.facets[place], partners.weights, sampling.spread),
         )
         for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
     )
-    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
+    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate(surfaces))
     return Interface(
         contact.frozen(),
         values @ partners.points[0].x,
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
-        weights,
+        sampling.weights,
         contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.points[0].x).max())),
         shape,
         given,
         (sides[0], sides[1]),
+        lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
         (unmatched[0], unmatched[1]),
     )
 
 
-def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> scipy.sparse.csr_matrix:
-    """From the values at an interface, `owner` their facets, to a body's own integration points: the facets' means.
+def _linear_functions(first: ContactSurface, second: ContactSurface, matched: Matching) -> LinearFunctions:
+    """The linear functions of one surface's nodes on meshes that match."""
+    if side_of_nodes(first, second) == 0:
+        return LinearFunctions(first, first.points, first.weights, first.average)
+    mean = scipy.sparse.eye(len(second.weights), format="csr") if second.average is None else second.average
+    return LinearFunctions(second, second.points, second.weights, matched.in_order(mean))
 
-    A facet that is only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
+
+def _facet_means(
+    surface: ContactSurface, owner: NDArray[np.intp], weights: Floats, spread: scipy.sparse.csr_matrix
+) -> scipy.sparse.csr_matrix:
+    """From the values at an interface to a body's own integration points: the facets' means.
+
+    owner, weights: the facets and areas of the interface's points; spread: from the values to these. A facet that is
+    only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
     """
     count = len(surface.facets)
-    shares = (weights / surface.facet_areas[owner], (owner, np.arange(len(owner))))
-    means = scipy.sparse.csr_matrix(shares, shape=(count, len(owner)))
-    return means[np.repeat(np.arange(count), surface.per_facet)]
+    total = (
+        scipy.sparse.csr_matrix((weights, (owner, np.arange(len(owner)))), shape=(count, len(owner))) @ spread
+    ).tocsr()
+    total.sort_indices()
+    total.data /= np.repeat(surface.facet_areas, np.diff(total.indptr))
+    return total[np.repeat(np.arange(count), surface.per_facet)]
 
 
 def _unmatched(surface: ContactSurface, partners: PointPairs, place: int) -> float:
