@@ -34,12 +34,14 @@ Matrix = scipy.sparse.csr_matrix
 class Sampling:
     """How the values of a contact follow from its points.
 
-    mean: (values, points) the weighted means; weights: (values,) areas; spread: (points, values) from values to points.
+    mean: (values, points) the weighted means; weights: (values,) areas; spread: (points, values) from values to points;
+    nodes: (values,) the places of the nodes that carry them, None where values belong to points or segments.
     """
 
     mean: Matrix
     weights: Floats
     spread: Matrix
+    nodes: Indices | None = None
 
 
 @dataclass(frozen=True)
@@ -148,7 +150,7 @@ class MortarQuadrature(GaussQuadrature):
         # A node that an overlap barely reaches, or not at all, has no gap of its own.
         used = np.flatnonzero(total > NEGLIGIBLE * total.max())
         mean = (scipy.sparse.diags(1.0 / total[used]) @ shares[used]).tocsr()
-        return Sampling(mean, total[used], functions[:, used].tocsr())
+        return Sampling(mean, total[used], functions[:, used].tocsr(), used)
 
 
 #: Nodes with less than this part of the largest weight carry no value.

@@ -20,12 +20,17 @@ from .contact import Contact
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
+from .interface.nodal import LinearFunctions
 
 if TYPE_CHECKING:
     from .local.problem import Fields
     from .scene import Scene
     from .system.ensemble import Ensemble
     from .system.state import State
+
+
+#: k h/E above which the pressure of points is replaced by the projected one on meshes that do not match.
+STIFF = 10.0
 
 
 @dataclass(frozen=True)
@@ -35,6 +40,11 @@ class ContactResult:
     x: (n, dim) where; weights: (n,) areas; gap: (n,) the deformed gap z = d − u_αn − u_βn (length); compression: (n,)
     the layer's w = min(z, 0); pressure: (n,) −σ_n >= 0 (stress); normal: (n, dim) outward of the first body;
     unmatched: the area of either surface that lies opposite nothing and is therefore outside the contact.
+
+    Under a layer much stiffer than the elements, on meshes that do not match, the law's pressure wavers from point to
+    point around the right mean. Above `STIFF` times their stiffness (stiffness_ratio, k h/E) `pressure` is therefore
+    the projected one, and the repr says so; pointwise_pressure: (n,) is −g(w) in any case. projection: the linear
+    functions of the nodes of one surface, None where the points are nodes already.
     """
 
     x: Floats
@@ -44,6 +54,32 @@ class ContactResult:
     compression: Floats
     pressure: Floats
     unmatched: tuple[float, float] = (0.0, 0.0)
+    pointwise_pressure: Floats | None = None
+    projection: LinearFunctions | None = None
+    stiffness_ratio: float = 0.0
+    wavers: bool = False
+
+    @property
+    def node_x(self) -> Floats:
+        """The nodes (m, dim) of one surface, the softer or coarser one, that `nodal_pressure` belongs to."""
+        return self.x if self.projection is None else self.projection.x
+
+    @cached_property
+    def nodal_pressure(self) -> Floats:
+        """The pressure (m,) at the nodes `node_x` of one surface, a linear field in between (stress).
+
+        It is the L² projection of the law's pressure onto the surface's linear functions, so that force and moment
+        are the same and every nodal force; near the edge of a contact it may be a little below zero. With the
+        quadrature "mortar" it is the pressure itself.
+        """
+        if self.projection is None:
+            return self.pressure
+        return self.projection.projected(self.pointwise_pressure, self.weights)
+
+    @cached_property
+    def projected_pressure(self) -> Floats:
+        """The same field at the contact's points, (n,): what a stiff layer's pressure wavers around (stress)."""
+        return self.pressure if self.projection is None else self.projection.at_values @ self.nodal_pressure
 
     @property
     def closed(self) -> NDArray[np.bool_]:
@@ -67,7 +103,19 @@ class ContactResult:
             if area > 0.0
         )
         peak = self.pressure.max()
-        return f"ContactResult({len(self.x)} points, peak pressure {peak:.6g}, force {self.force:.6g}{alone})"
+        return (
+            f"ContactResult({len(self.x)} points, peak pressure {peak:.6g}, force {self.force:.6g}{alone}{self._note})"
+        )
+
+    @property
+    def _note(self) -> str:
+        """Whether the pressure is the projected one, and why."""
+        if not self.wavers:
+            return ""
+        return (
+            f"; the layer is {self.stiffness_ratio:.3g} times as stiff as the elements on meshes that do not match: "
+            "the pressure is the projected one, as pointwise_pressure wavers; quadrature='mortar' does not"
+        )
 
 
 class Solution:
@@ -120,14 +168,29 @@ class Solution:
         """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._state.gaps[index]
+        pressure, at_nodes = -interface.contact.layer.contact_stress(gaps), interface.nodes
+        ratio = _stiffness_ratio(interface, gaps, pressure)
         if degree is not None:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
-        stress = interface.contact.layer.contact_stress(gaps)
-        compression = np.minimum(gaps, 0.0)
-        return ContactResult(
-            interface.x, interface.normal, interface.weights, gaps, compression, -stress, interface.unmatched
+            if at_nodes is None:
+                pressure = -interface.contact.layer.contact_stress(gaps)
+            else:  # a linear field, which the gaps between its nodes tell nothing of
+                pressure = interface.functions.interpolated(pressure, at_nodes)
+        result = ContactResult(
+            interface.x,
+            interface.normal,
+            interface.weights,
+            gaps,
+            np.minimum(gaps, 0.0),
+            pressure,
+            interface.unmatched,
+            pressure,
+            None if interface.nodes is not None else interface.functions,
+            ratio,
+            bool(ratio > STIFF and interface.facets is None and at_nodes is None),
         )
+        return replace(result, pressure=result.projected_pressure) if result.wavers else result
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
         """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it."""
@@ -297,4 +360,13 @@ class Solution:
 def _resampled(interface: Interface, degree: int) -> Interface:
     """The same contact at Gauss points of another degree."""
     first, second = interface.sides
-    return discretise(interface.contact.resampled(degree), (first.body, second.body), interface.facets)
+    contact, split = interface.contact.resampled(degree), interface.nodes is not None
+    return discretise(contact, (first.body, second.body), interface.facets, split)
+
+
+def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> float:
+    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
+    pressing = pressure > 0.0
+    shares = interface.weights[pressing] * pressure[pressing]
+    stiffness = interface.contact.layer.contact_derivative(gaps[pressing])
+    return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

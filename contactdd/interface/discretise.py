@@ -16,7 +16,7 @@ from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
 from ..quadrature import Quadrature, find_quadrature
-from .nodal import LinearFunctions, hats, side_of_nodes
+from .nodal import LinearFunctions, hats, node_coordinates, side_of_nodes
 from .pairing import Matching, PointPairs, matching, matching_on, pair_by_segments
 from .surface import ContactSurface, Gather
 from .trace import normal_trace
@@ -56,8 +56,9 @@ class Interface:
     x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
     the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal:
     makes the linear functions of one surface's nodes; unmatched: the area of either surface that has no partner;
-    facets: on meshes that match, the second surface's opposite each of the first's. Contact integrals are sums over
-    the points: J = Σ weights ∫₀^z g⁻.
+    facets: on meshes that match, the second surface's opposite each of the first's; nodes: (n,) the nodes that the
+    points are, by their places on their surface, None where they are none. Contact integrals are sums over the points:
+    J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -71,11 +72,17 @@ class Interface:
     nodal: Callable[[], LinearFunctions]
     unmatched: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
+    nodes: NDArray[np.intp] | None = None
 
     @cached_property
     def functions(self) -> LinearFunctions:
         """The linear functions of the nodes of one surface."""
         return self.nodal()
+
+    @cached_property
+    def facet_stiffness(self) -> float:
+        """E/h of the softer body's facets, the stiffness of a layer that is as stiff as they are."""
+        return min(float(np.median(side.surface.moduli / side.surface.facet_sizes)) for side in self.sides)
 
     @cached_property
     def gap(self) -> Floats:
@@ -95,15 +102,18 @@ def without_rounding(distance: Floats, size: float) -> Floats:
     return np.where(np.abs(distance) <= 1e-13 * size, 0.0, distance)
 
 
-def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None) -> Interface:
+def discretise(
+    contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None, split: bool = False
+) -> Interface:
     """The interface of a contact between the bodies at the given places of a scene.
 
-    facets: the second surface's opposite each of the first's, where they are known to match.
+    facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
+    split into segments even where they match.
     """
     degree = max(body.degree for body, _ in contact.sides)
     quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     first, second = _surfaces(contact, quadrature)
-    if quadrature.of_nodes:
+    if split or quadrature.of_nodes:
         return _on_segments(contact, bodies, first, second)
     matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
     if matched is None:
@@ -153,11 +163,12 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
             "expected 'gauss', 'facet' or 'mortar'"
         )
     partners = pair_by_segments(contact, first, second)
-    nodal = cache(lambda: side_of_nodes(first, second))
+    nodal = cache(lambda: side_of_nodes(surfaces, partners.facets))
     sampling = rule.sampling(
         partners.weights, partners.segment, lambda: hats(surfaces[nodal()], partners.points[nodal()])
     )
     values = sampling.mean
+    x = partners.points[0].x
     normal = values @ partners.normal
     given = PrescribedGap(partners.middle, values)
     shape = given.at(contact.gap)
@@ -173,21 +184,22 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
     unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate(surfaces))
     return Interface(
         contact.frozen(),
-        values @ partners.points[0].x,
+        values @ x if sampling.nodes is None else node_coordinates(surfaces[nodal()])[sampling.nodes],
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
         sampling.weights,
-        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.points[0].x).max())),
+        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(x).max())),
         shape,
         given,
         (sides[0], sides[1]),
         lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
         (unmatched[0], unmatched[1]),
+        nodes=sampling.nodes,
     )
 
 
 def _linear_functions(first: ContactSurface, second: ContactSurface, matched: Matching) -> LinearFunctions:
     """The linear functions of one surface's nodes on meshes that match."""
-    if side_of_nodes(first, second) == 0:
+    if side_of_nodes((first, second), (np.arange(len(first.facets)), matched.facets)) == 0:
         return LinearFunctions(first, first.points, first.weights, first.average)
     mean = scipy.sparse.eye(len(second.weights), format="csr") if second.average is None else second.average
     return LinearFunctions(second, second.points, second.weights, matched.in_order(mean))

@@ -18,7 +18,7 @@ from ..base.arrays import Floats, Indices
 from ..base.facets import FacetPoints, corner_nodes
 from .surface import ContactSurface
 
-#: A body whose surface is this much softer carries the nodes, however coarse its facets.
+#: A body whose surface is this much softer carries the nodes, whatever the facets.
 SOFTER = 3.0
 
 
@@ -26,14 +26,14 @@ SOFTER = 3.0
 class LinearFunctions:
     """The linear functions of a surface's nodes, on a contact.
 
-    surface; points: (p,) where they are integrated, weights: (p,) their areas; mean: from there to the contact's
-    values, None where these are the points.
+    surface; points: (p,) where they are integrated, weights: (p,) their areas; mean: (values, p) from there to the
+    contact's values, None where these are the points.
     """
 
     surface: ContactSurface
     points: FacetPoints
     weights: Floats
-    mean: scipy.sparse.csr_matrix | None
+    mean: scipy.sparse.csr_matrix | None = None
 
     @cached_property
     def x(self) -> Floats:
@@ -44,6 +44,13 @@ class LinearFunctions:
     def at_values(self) -> scipy.sparse.csr_matrix:
         """The functions' means over what belongs to each value, (values, nodes)."""
         return self._at_points if self.mean is None else (self.mean @ self._at_points).tocsr()
+
+    def interpolated(self, values: Floats, nodes: Indices) -> Floats:
+        """The field with these values at these nodes, by their places on the surface, at the contact's values."""
+        everywhere = np.zeros(self._hats.shape[1])
+        everywhere[nodes] = values
+        at_points = self._hats @ everywhere
+        return at_points if self.mean is None else self.mean @ at_points
 
     def projected(self, values: Floats, weights: Floats) -> Floats:
         """The coefficients c (nodes,) of the L² projection: Σ c_j ∫ ψ_i ψ_j = Σ_v weights_v values_v ψ_i(v)."""
@@ -88,16 +95,17 @@ def hats(surface: ContactSurface, points: FacetPoints) -> scipy.sparse.csr_matri
     return scipy.sparse.csr_matrix((values, (point, place)), shape=(len(basis), len(nodes)))
 
 
-def side_of_nodes(first: ContactSurface, second: ContactSurface) -> int:
+def side_of_nodes(surfaces: tuple[ContactSurface, ContactSurface], facets: tuple[Indices, Indices]) -> int:
     """Which surface's nodes carry a contact's pressure: 0 or 1.
 
-    That of the softer body, which follows a pressure on its own nodes; of bodies about equally stiff the finer surface;
-    else the first.
+    That of the softer body, which can follow any pressure on its own nodes; of bodies about equally stiff the coarser
+    surface, whose functions both can follow; else the first. facets: (n,) those of both sides that lie opposite.
     """
-    moduli = [float(np.median(surface.moduli)) for surface in (first, second)]
+    moduli = [float(np.median(side.moduli[own])) for side, own in zip(surfaces, facets, strict=True)]
     if max(moduli) > SOFTER * min(moduli):
         return int(np.argmin(moduli))
-    return int(np.median(second.facet_sizes) < (1 - 1e-6) * np.median(first.facet_sizes))
+    first, second = (float(np.median(side.facet_sizes[own])) for side, own in zip(surfaces, facets, strict=True))
+    return int(second > (1 + 1e-6) * first)
 
 
 def _nodes(surface: ContactSurface) -> Indices:
