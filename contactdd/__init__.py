@@ -21,6 +21,7 @@ from .errors import (
     NoEquilibriumError,
     NotConvergedError,
 )
+from .hard_contact import HardContact
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Resultant, Traction
@@ -46,6 +47,7 @@ __all__ = [
     "CustomLayer",
     "Displacement",
     "Fixed",
+    "HardContact",
     "History",
     "Isotropic",
     "Layer",

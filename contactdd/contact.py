@@ -10,6 +10,7 @@ import numpy as np
 from .base.checks import as_count, check_choice, positive
 from .body import Body
 from .field import check_field
+from .hard_contact import HardContact
 from .layer import Layer
 from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
@@ -20,25 +21,26 @@ Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 class Contact:
     """The possible contact zone S_αβ of two bodies.
 
-    first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
+    first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together, or `HardContact()`;
     gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number, a `Parameter` or a
     function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
     do not match; measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for
     surfaces that fit but whose straight facets do not; search_distance: how far apart partners may be (length), by
-    default the smaller body's size; quadrature: "gauss", "mortar", "vertex" or "facet" (see `quadrature`);
-    quadrature_degree: another degree of exactness; name: by default "first–second" by the bodies' names.
+    default the smaller body's size; quadrature: "gauss" (the default), "mortar" (that of hard contact), "vertex" or
+    "facet" (see `quadrature`); quadrature_degree: another degree of exactness; name: by default "first–second" by the
+    bodies' names.
     """
 
     def __init__(
         self,
         first: tuple[Body, str],
         second: tuple[Body, str],
-        layer: Layer,
+        layer: Layer | HardContact,
         *,
         gap: Gap = 0.0,
         measure_gap: bool = True,
         search_distance: float | None = None,
-        quadrature: str = "gauss",
+        quadrature: str | None = None,
         quadrature_degree: int | None = None,
         name: str | None = None,
     ) -> None:
@@ -51,7 +53,13 @@ class Contact:
         check_field("gap", gap)
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
+        if quadrature is None:
+            quadrature = "mortar" if isinstance(layer, HardContact) else "gauss"
         check_choice("quadrature", quadrature, tuple(RULES))
+        if isinstance(layer, HardContact) and not RULES[quadrature].of_nodes:
+            raise ValueError(
+                f"quadrature = {quadrature!r} with a hard contact: its pressure would waver; expected 'mortar'"
+            )
         if first[0].kinematics.ring and not RULES[quadrature].rings:
             raise ValueError(
                 f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
@@ -77,9 +85,18 @@ class Contact:
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
 
-    def with_layer(self, layer: Layer) -> Contact:
+    def with_layer(self, layer: Layer | HardContact) -> Contact:
         """The same contact with another layer."""
         _check_layer(layer)
+        if isinstance(layer, HardContact) and not RULES[self.quadrature].of_nodes:
+            raise ValueError(
+                f"layer = {layer!r} in contact {self.name!r} with quadrature = {self.quadrature!r}: the pressure would "
+                "waver; expected a contact with quadrature='mortar'"
+            )
+        return self.with_law(layer)
+
+    def with_law(self, layer: Layer | HardContact) -> Contact:
+        """The same contact with a layer that fits it."""
         other = copy(self)
         other.layer = layer
         return other
@@ -95,6 +112,6 @@ class Contact:
         return f"Contact({self.name!r}: {zones}, {self.layer!r})"
 
 
-def _check_layer(layer: Layer) -> None:
-    if not isinstance(layer, Layer):
-        raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
+def _check_layer(layer: Layer | HardContact) -> None:
+    if not isinstance(layer, Layer | HardContact):
+        raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a), or cd.HardContact()")

@@ -35,13 +35,15 @@ class Sampling:
     """How the values of a contact follow from its points.
 
     mean: (values, points) the weighted means; weights: (values,) areas; spread: (points, values) from values to points;
-    nodes: (values,) the places of the nodes that carry them, None where values belong to points or segments.
+    nodes: (values,) the places of the nodes that carry them, gathered: (nodes, values) which value each node takes;
+    None where values belong to points or segments.
     """
 
     mean: Matrix
     weights: Floats
     spread: Matrix
     nodes: Indices | None = None
+    gathered: Matrix | None = None
 
 
 @dataclass(frozen=True)
@@ -145,16 +147,36 @@ class MortarQuadrature(GaussQuadrature):
 
     def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], Matrix]) -> Sampling:
         functions = hats()
-        shares = (scipy.sparse.diags(weights) @ functions).T.tocsr()
-        total = np.asarray(shares.sum(axis=1)).ravel()
-        # A node that an overlap barely reaches, or not at all, has no gap of its own.
-        used = np.flatnonzero(total > NEGLIGIBLE * total.max())
-        mean = (scipy.sparse.diags(1.0 / total[used]) @ shares[used]).tocsr()
-        return Sampling(mean, total[used], functions[:, used].tocsr(), used)
+        shares = (scipy.sparse.diags(weights) @ functions).tocsr()
+        total = np.asarray(shares.sum(axis=0)).ravel()
+        owner = _owners(total, (functions.T @ shares).tocsr())
+        nodes, value = np.unique(owner[owner >= 0], return_inverse=True)
+        reached = np.flatnonzero(owner >= 0)
+        gathered = Matrix((np.ones(len(reached)), (reached, value)), shape=(len(total), len(nodes)))
+        area = gathered.T @ total
+        mean = (scipy.sparse.diags(1.0 / area) @ (shares @ gathered).T).tocsr()
+        return Sampling(mean, area, (functions @ gathered).tocsr(), nodes, gathered)
 
 
-#: Nodes with less than this part of the largest weight carry no value.
-NEGLIGIBLE = 1e-14
+#: A node that a contact covers by less than this part of its neighbour takes the neighbour's value: the deformation
+#: hardly feels a pressure there. On the axis of a body of revolution it is a sixth.
+COVERED = 0.1
+
+
+def _owners(total: Floats, overlap: Matrix) -> Indices:
+    """The node whose value each node takes, −1 where the contact does not reach.
+
+    total: (nodes,) the areas; overlap: (nodes, nodes) ∫ ψ_i ψ_j.
+    """
+    owner = np.where(total > 0.0, np.arange(len(total)), -1)
+    rows = np.repeat(np.arange(len(total)), np.diff(overlap.indptr))
+    largest = np.zeros(len(total))
+    np.maximum.at(largest, rows, total[overlap.indices])
+    weak = np.flatnonzero((total > 0.0) & (total < COVERED * largest))
+    for node in weak[np.argsort(-total[weak])]:  # the larger first: the others may join them
+        others = overlap.indices[overlap.indptr[node] : overlap.indptr[node + 1]]
+        owner[node] = owner[others[np.argmax(total[others])]]
+    return owner
 
 
 RULES: dict[str, type[Quadrature]] = {

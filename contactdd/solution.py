@@ -58,6 +58,7 @@ class ContactResult:
     projection: LinearFunctions | None = None
     stiffness_ratio: float = 0.0
     wavers: bool = False
+    hard: bool = False
 
     @property
     def node_x(self) -> Floats:
@@ -83,8 +84,13 @@ class ContactResult:
 
     @property
     def closed(self) -> NDArray[np.bool_]:
-        """Where the layer is compressed, (n,)."""
-        return self.gap < 0.0
+        """Where the layer is compressed, or a hard contact carries pressure, (n,)."""
+        return self.pressure > 0.0 if self.hard else self.gap < 0.0
+
+    @property
+    def penetration(self) -> float:
+        """The largest overlap of the surfaces (length): of a hard contact what is left of it, else of the layer."""
+        return max(0.0, -float(self.gap.min()))
 
     @property
     def force(self) -> float:
@@ -109,7 +115,9 @@ class ContactResult:
 
     @property
     def _note(self) -> str:
-        """Whether the pressure is the projected one, and why."""
+        """What there is to be told of how well it is known."""
+        if self.hard:
+            return f", penetration {self.penetration:.3g}"
         if not self.wavers:
             return ""
         return (
@@ -168,15 +176,18 @@ class Solution:
         """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._state.gaps[index]
-        pressure, at_nodes = -interface.contact.layer.contact_stress(gaps), interface.nodes
-        ratio = _stiffness_ratio(interface, gaps, pressure)
+        pressure, gathered = -interface.contact.layer.contact_stress(gaps), interface.gathered
+        hard = interface.hard
+        ratio = 0.0 if hard else _stiffness_ratio(interface, gaps, pressure)
+        if hard:
+            gaps = gaps + self._state.shifts[index]
         if degree is not None:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
-            if at_nodes is None:
+            if gathered is None:
                 pressure = -interface.contact.layer.contact_stress(gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
-                pressure = interface.functions.interpolated(pressure, at_nodes)
+                pressure = interface.functions.interpolated(gathered @ pressure)
         result = ContactResult(
             interface.x,
             interface.normal,
@@ -186,9 +197,10 @@ class Solution:
             pressure,
             interface.unmatched,
             pressure,
-            None if interface.nodes is not None else interface.functions,
+            None if interface.gathered is not None else interface.functions,
             ratio,
-            bool(ratio > STIFF and interface.facets is None and at_nodes is None),
+            bool(ratio > STIFF and interface.facets is None and gathered is None),
+            hard,
         )
         return replace(result, pressure=result.projected_pressure) if result.wavers else result
 
@@ -200,13 +212,24 @@ class Solution:
 
     @property
     def layer_energy(self) -> float:
-        """J, the energy of all layers."""
-        return self._ensemble.layer_energy(self._state)
+        """J, the energy of all layers; a hard contact has none."""
+        return self._ensemble.layer_energy(self._state) - self._penalty_energy
 
     @property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        return self._ensemble.energy(self._state)
+        return self._ensemble.energy(self._state) - self._penalty_energy
+
+    @property
+    def _penalty_energy(self) -> float:
+        """What the augmented Lagrangian counts as the energy of hard contacts."""
+        contacts = zip(self.interfaces, self._state.gaps, strict=True)
+        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts if i.hard)
+
+    @property
+    def multipliers(self) -> list[Floats]:
+        """Of hard contacts the pressures over k, (points,) of every contact, to go on from; empty if there are none."""
+        return self._state.shifts
 
     def stress(self, body: str | Body) -> fem.Function:
         """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
@@ -360,7 +383,7 @@ class Solution:
 def _resampled(interface: Interface, degree: int) -> Interface:
     """The same contact at Gauss points of another degree."""
     first, second = interface.sides
-    contact, split = interface.contact.resampled(degree), interface.nodes is not None
+    contact, split = interface.contact.resampled(degree), interface.gathered is not None
     return discretise(contact, (first.body, second.body), interface.facets, split)
 
 

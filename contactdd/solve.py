@@ -14,6 +14,7 @@ import numpy as np
 from .base.checks import as_count, check_choice, finite, positive
 from .errors import NoEquilibriumError, NotConvergedError
 from .history import Record
+from .iteration.augmented import AugmentedRun
 from .iteration.checkpoint import CheckpointWriter, read
 from .iteration.progress import Progress
 from .iteration.run import Run
@@ -75,7 +76,7 @@ def solve(
     time_limit: seconds after which the run stops with the status "stopped".
 
     Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
-    CheckpointError for a checkpoint that is damaged or of another run.
+    CheckpointError for a checkpoint that is damaged or of another run, ValueError for one of hard contacts.
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
@@ -89,11 +90,15 @@ def solve(
     if callback is not None and not callable(callback):
         raise TypeError(f"callback = {callback!r}: expected a function of a record")
     ranks, ensemble = scene.ranks, Ensemble(scene.subproblems(local_solver), scene.interfaces)
+    hard = any(interface.hard for interface in scene.interfaces)
+    if hard and file is not None:
+        raise ValueError(f"checkpoint = {checkpoint!r}: the multipliers of a hard contact are not kept; expected None")
     if resume and ranks.once(file.exists):
         earlier = ranks.once(lambda: read(file, ensemble, scheme.name))
     else:
         earlier = (_start(ensemble, scheme, gamma, start, previous),)
-    run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
+    kind = AugmentedRun if hard else Run
+    run = kind(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
     keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
     with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
         deadline = time.monotonic() + seconds
@@ -169,7 +174,8 @@ def _start(
 ) -> starts.State:
     """The first iterate."""
     if isinstance(start, Solution):
-        return starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
+        state = starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
+        return starts.with_multipliers(state, start.multipliers)
     if start is not None:
         return starts.from_contacts(ensemble, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.

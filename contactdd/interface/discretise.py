@@ -15,6 +15,8 @@ from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
+from ..hard_contact import AugmentedLayer, HardContact
+from ..layer import Layer
 from ..quadrature import Quadrature, find_quadrature
 from .nodal import LinearFunctions, hats, node_coordinates, side_of_nodes
 from .pairing import Matching, PointPairs, matching, matching_on, pair_by_segments
@@ -56,9 +58,9 @@ class Interface:
     x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
     the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal:
     makes the linear functions of one surface's nodes; unmatched: the area of either surface that has no partner;
-    facets: on meshes that match, the second surface's opposite each of the first's; nodes: (n,) the nodes that the
-    points are, by their places on their surface, None where they are none. Contact integrals are sums over the points:
-    J = Σ weights ∫₀^z g⁻.
+    facets: on meshes that match, the second surface's opposite each of the first's; gathered: (nodes, n) which
+    point's value each node of a surface takes, None where the points are no nodes. The contact's layer is always a
+    law; a hard contact has its `AugmentedLayer`. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -72,7 +74,7 @@ class Interface:
     nodal: Callable[[], LinearFunctions]
     unmatched: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
-    nodes: NDArray[np.intp] | None = None
+    gathered: scipy.sparse.csr_matrix | None = None
 
     @cached_property
     def functions(self) -> LinearFunctions:
@@ -91,7 +93,18 @@ class Interface:
 
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
-        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap))
+        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap)).with_layer(contact.layer)
+
+    def with_layer(self, layer: Layer | HardContact) -> Interface:
+        """The same interface with the law of another layer."""
+        if isinstance(layer, HardContact):
+            layer = layer.augmented(self.facet_stiffness)
+        return replace(self, contact=self.contact.with_law(layer))
+
+    @property
+    def hard(self) -> bool:
+        """Whether the contact has no layer."""
+        return isinstance(self.contact.layer, AugmentedLayer)
 
 
 def without_rounding(distance: Floats, size: float) -> Floats:
@@ -110,6 +123,12 @@ def discretise(
     facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
     split into segments even where they match.
     """
+    interface = _discretised(contact, bodies, facets, split)
+    return interface.with_layer(contact.layer) if isinstance(contact.layer, HardContact) else interface
+
+
+def _discretised(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None, split: bool) -> Interface:
+    """The interface with the layer that the contact has."""
     degree = max(body.degree for body, _ in contact.sides)
     quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     first, second = _surfaces(contact, quadrature)
@@ -193,7 +212,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         (sides[0], sides[1]),
         lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
         (unmatched[0], unmatched[1]),
-        nodes=sampling.nodes,
+        gathered=sampling.gathered,
     )
 
 

@@ -45,11 +45,9 @@ class LinearFunctions:
         """The functions' means over what belongs to each value, (values, nodes)."""
         return self._at_points if self.mean is None else (self.mean @ self._at_points).tocsr()
 
-    def interpolated(self, values: Floats, nodes: Indices) -> Floats:
-        """The field with these values at these nodes, by their places on the surface, at the contact's values."""
-        everywhere = np.zeros(self._hats.shape[1])
-        everywhere[nodes] = values
-        at_points = self._hats @ everywhere
+    def interpolated(self, values: Floats) -> Floats:
+        """The field with these values at all nodes of the surface, at the contact's values."""
+        at_points = self._hats @ values
         return at_points if self.mean is None else self.mean @ at_points
 
     def projected(self, values: Floats, weights: Floats) -> Floats:

@@ -201,7 +201,7 @@ class Run:
         """u^{k+1}, eqs. (23), (33), (37)."""
         unknowns = self.state.unknowns + step
         deformation = self.state.deformation + self.ensemble.deformation(step)
-        return State(unknowns, deformation, self.ensemble.gaps(unknowns), self.state.gaps)
+        return State(unknowns, deformation, self.ensemble.gaps(unknowns), self.state.gaps, self.state.shifts)
 
     def _scale(self, forces: Forces) -> float:
         """The size of the forces at work: loads and contact forces, or the first residual where there are none."""

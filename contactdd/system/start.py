@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -37,6 +38,12 @@ def from_displacements(ensemble: Ensemble, displacements: Callable[[str], Floats
             )
         parts.append(problem.restrict(displacement))
     return _state(ensemble, parts)
+
+
+def with_multipliers(state: State, shifts: list[Floats]) -> State:
+    """The same iterate with multipliers of hard contacts, if they are of as many points."""
+    fits = [len(shift) for shift in shifts] == [len(gaps) for gaps in state.gaps]
+    return replace(state, shifts=shifts) if fits else state
 
 
 def from_contacts(ensemble: Ensemble, u_n: Given, previous: Given | None) -> State:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from ..base.arrays import Floats
 
@@ -17,10 +17,12 @@ class State:
 
     unknowns: (unknowns,) of all bodies; deformation: (unknowns,) the same without the rigid motions of floating bodies,
     which may be so much larger that their rounding alone would look like a force; gaps, previous_gaps: z^k, z^{k−1} of
-    every interface.
+    every interface; shifts: the multipliers of hard contacts over k, (points,) of every interface, by which the gaps
+    here are smaller than those of the bodies; empty where no contact is hard.
     """
 
     unknowns: Floats
     deformation: Floats
     gaps: list[Floats]
     previous_gaps: list[Floats]
+    shifts: list[Floats] = field(default_factory=list)
