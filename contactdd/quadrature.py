@@ -26,9 +26,6 @@ from numpy.typing import NDArray
 from .base.arrays import Floats, Indices
 from .base.checks import as_count, check_choice
 
-#: From the points of a contact to its values and back.
-Matrix = scipy.sparse.csr_matrix
-
 
 @dataclass(frozen=True)
 class Sampling:
@@ -39,11 +36,11 @@ class Sampling:
     None where values belong to points or segments.
     """
 
-    mean: Matrix
+    mean: scipy.sparse.csr_matrix
     weights: Floats
-    spread: Matrix
+    spread: scipy.sparse.csr_matrix
     nodes: Indices | None = None
-    gathered: Matrix | None = None
+    gathered: scipy.sparse.csr_matrix | None = None
 
 
 @dataclass(frozen=True)
@@ -81,7 +78,7 @@ class Quadrature(ABC):
         return {"quadrature_rule": "default", "quadrature_degree": self.degree}
 
     @abstractmethod
-    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], Matrix]) -> Sampling:
+    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], scipy.sparse.csr_matrix]) -> Sampling:
         """The values on segments.
 
         weights, segment: (points,) the area and the segment of each point; hats: (points, nodes) the linear functions
@@ -100,11 +97,13 @@ class FacetQuadrature(Quadrature):
     def element(self, cell_name: str) -> Any:
         return basix.ufl.element("Discontinuous Lagrange", cell_name, 0)
 
-    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], Matrix]) -> Sampling:
+    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], scipy.sparse.csr_matrix]) -> Sampling:
         total = np.bincount(segment, weights)
         points = np.arange(len(segment))
-        mean = Matrix((weights / total[segment], (segment, points)), shape=(len(total), len(points)))
-        return Sampling(mean, total, Matrix((np.ones(len(points)), (points, segment)), shape=mean.shape[::-1]))
+        mean = scipy.sparse.csr_matrix((weights / total[segment], (segment, points)), shape=(len(total), len(points)))
+        return Sampling(
+            mean, total, scipy.sparse.csr_matrix((np.ones(len(points)), (points, segment)), shape=mean.shape[::-1])
+        )
 
 
 class VertexQuadrature(Quadrature):
@@ -123,7 +122,7 @@ class VertexQuadrature(Quadrature):
     def metadata(self) -> dict[str, Any]:
         return {"quadrature_rule": "vertex", "quadrature_degree": 1}
 
-    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], Matrix]) -> Sampling:
+    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], scipy.sparse.csr_matrix]) -> Sampling:
         raise ValueError("quadrature = 'vertex': the vertices of facets are none of their segments")
 
 
@@ -135,7 +134,7 @@ class GaussQuadrature(Quadrature):
     def element(self, cell_name: str) -> Any:
         return basix.ufl.quadrature_element(cell_name, degree=self.degree)
 
-    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], Matrix]) -> Sampling:
+    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], scipy.sparse.csr_matrix]) -> Sampling:
         same = scipy.sparse.eye(len(weights), format="csr")
         return Sampling(same, weights, same)
 
@@ -145,14 +144,14 @@ class MortarQuadrature(GaussQuadrature):
 
     name, of_nodes = "mortar", True
 
-    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], Matrix]) -> Sampling:
+    def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], scipy.sparse.csr_matrix]) -> Sampling:
         functions = hats()
         shares = (scipy.sparse.diags(weights) @ functions).tocsr()
         total = np.asarray(shares.sum(axis=0)).ravel()
         owner = _owners(total, (functions.T @ shares).tocsr())
         nodes, value = np.unique(owner[owner >= 0], return_inverse=True)
         reached = np.flatnonzero(owner >= 0)
-        gathered = Matrix((np.ones(len(reached)), (reached, value)), shape=(len(total), len(nodes)))
+        gathered = scipy.sparse.csr_matrix((np.ones(len(reached)), (reached, value)), shape=(len(total), len(nodes)))
         area = gathered.T @ total
         mean = (scipy.sparse.diags(1.0 / area) @ (shares @ gathered).T).tocsr()
         return Sampling(mean, area, (functions @ gathered).tocsr(), nodes, gathered)
@@ -163,7 +162,7 @@ class MortarQuadrature(GaussQuadrature):
 COVERED = 0.1
 
 
-def _owners(total: Floats, overlap: Matrix) -> Indices:
+def _owners(total: Floats, overlap: scipy.sparse.csr_matrix) -> Indices:
     """The node whose value each node takes, −1 where the contact does not reach.
 
     total: (nodes,) the areas; overlap: (nodes, nodes) ∫ ψ_i ψ_j.

@@ -176,7 +176,7 @@ class Solution:
         """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._state.gaps[index]
-        pressure, gathered = -interface.contact.layer.contact_stress(gaps), interface.gathered
+        pressure, gathered = 0.0 - interface.contact.layer.contact_stress(gaps), interface.gathered
         hard = interface.hard
         ratio = 0.0 if hard else _stiffness_ratio(interface, gaps, pressure)
         if hard:
@@ -185,7 +185,7 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
             if gathered is None:
-                pressure = -interface.contact.layer.contact_stress(gaps)
+                pressure = 0.0 - interface.contact.layer.contact_stress(gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
         result = ContactResult(
