@@ -25,8 +25,14 @@ from .hard_contact import HardContact
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
 from .load import BodyForce, Pressure, Resultant, Traction
+from .local.choose import LOCAL_SOLVERS, register_local_solver
+from .local.dense import DenseSystem
+from .local.problem import ContactTrace, Fields, LocalProblem
+from .local.reduced import ReducedProblem
+from .local.task import LocalTask
 from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import Path, StepFailedError, programme
 from .scene import Scene
@@ -36,6 +42,7 @@ from .solve import solve
 from .support import Displacement, Fixed, Spring, Symmetry
 
 __all__ = [
+    "LOCAL_SOLVERS",
     "SCHEMES",
     "Anisotropic",
     "Body",
@@ -44,18 +51,24 @@ __all__ = [
     "Contact",
     "ContactError",
     "ContactResult",
+    "ContactTrace",
     "CustomLayer",
+    "DenseSystem",
     "Displacement",
+    "Fields",
     "Fixed",
     "HardContact",
     "History",
     "Isotropic",
     "Layer",
     "LinearLayer",
+    "LocalProblem",
+    "LocalTask",
     "LooseBodyError",
     "Material",
     "Mesh",
     "MeshMismatchError",
+    "MeshlessBody",
     "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
@@ -64,6 +77,7 @@ __all__ = [
     "PowerLayer",
     "Pressure",
     "Record",
+    "ReducedProblem",
     "Resultant",
     "Scene",
     "Scheme",
@@ -82,6 +96,7 @@ __all__ = [
     "read_gmsh",
     "rectangle",
     "reference",
+    "register_local_solver",
     "solve",
 ]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cache, cached_property
+from functools import cached_property
 from typing import Any
 
 import basix
@@ -15,7 +15,7 @@ from dolfinx import fem
 from .base import compat
 from .base.arrays import Floats
 from .base.checks import as_count, as_tuple_of
-from .base.facets import facet_type, surface_points
+from .elements import Elements
 from .kinematics import kinematics as find_kinematics
 from .load import Load
 from .material import Material
@@ -42,6 +42,7 @@ class Body:
         loads: Sequence[Load] = (),
         degree: int = 1,
         kinematics: str | None = None,
+        local_solver: str | Callable[..., Any] | None = None,
     ) -> None:
         if not isinstance(name, str) or not name:
             raise TypeError(f"name = {name!r}: expected a text")
@@ -56,6 +57,8 @@ class Body:
         self.loads = as_tuple_of("loads", loads, Load)
         self.degree = as_count("degree", degree)
         self.kinematics = find_kinematics(kinematics, mesh.dim)
+        self.local_solver = local_solver
+        self.elements = Elements(name, mesh, self.degree, self.kinematics)
         self._check_surfaces()
         self._check_radii()
 
@@ -63,24 +66,19 @@ class Body:
         elements = f"{self.mesh.cells} cells, degree {self.degree}"
         return f"Body({self.name!r}, {elements}, {self.material}, {self.kinematics.name})"
 
-    @cached_property
+    @property
     def space(self) -> fem.FunctionSpace:
         """The finite element space of the body's displacements."""
-        return compat.function_space(self.mesh.domain, self.element)
+        return self.elements.space
 
     @property
     def dofs(self) -> int:
-        """How many degrees of freedom the displacements have."""
-        return self.space.dofmap.index_map.size_local * self.space.dofmap.bs
+        """The number of degrees of freedom of the displacements."""
+        return self.elements.dofs
 
     def rigid_modes(self) -> Floats:
         """The rigid motions of the body in all degrees of freedom, (dofs, motions), see `Kinematics.rigid_modes`."""
         return self.kinematics.rigid_modes(self.space.tabulate_dof_coordinates()).reshape(self.dofs, -1)
-
-    @property
-    def element(self) -> Any:
-        """The Lagrange element of the displacements."""
-        return _lagrange(self.mesh.domain.topology.cell_name(), self.degree, self.mesh.dim)
 
     @cached_property
     def stiffness(self) -> Any:
@@ -111,45 +109,13 @@ class Body:
         """
         return 2 * self.degree + 1
 
-    def ds(self, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Measure:
-        """The measure of a named surface."""
-        # The same number for every surface, so that forms on different ones are compiled once.
-        facets = [(1, self.mesh.entities(surface).ravel())]
-        return ufl.Measure("ds", domain=self.mesh.domain, subdomain_data=facets, subdomain_id=1, metadata=metadata)
-
-    def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
-        """∫ integrand dx over the body, the full ring in a body of revolution."""
-        domain = self.mesh.domain
-        weight = self.kinematics.weight(ufl.SpatialCoordinate(domain))
-        return weight * integrand * ufl.Measure("dx", domain=domain, metadata=metadata)
-
-    def over_surface(self, integrand: Any, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Form:
-        """∫ integrand ds over a named surface, the full ring in a body of revolution."""
-        weight = self.kinematics.weight(ufl.SpatialCoordinate(self.mesh.domain))
-        return weight * integrand * self.ds(surface, metadata)
-
-    def area(self, surface: str) -> float:
-        """∫ 1 ds over a named surface, by the rule of `area_metadata`."""
-        entities = self.mesh.entities(surface)
-        if len(entities) == 0:
-            raise ValueError(f"surface = {surface!r} of body {self.name!r}: it has no facets")
-        points, weights = basix.make_quadrature(facet_type(self.mesh.domain), self.area_metadata["quadrature_degree"])
-        at = surface_points(self.mesh.domain, entities, points)
-        return float(np.sum(np.tile(weights, len(entities)) * at.area * self.kinematics.weight(at.x.T)))
-
-    @property
-    def area_metadata(self) -> dict[str, Any]:
-        """The quadrature that makes an even traction force / area carry the force to rounding, on curved facets too."""
-        geometry = self.mesh.domain.ufl_domain().ufl_coordinate_element().embedded_superdegree
-        return {"quadrature_degree": self.degree + 2 * geometry}
-
     def stress(self, u: Any) -> Any:
         """Hooke's law (2): the stresses of the free Voigt components, a UFL vector."""
         return self.stiffness * self.kinematics.strain(u)
 
     def elastic_form(self, u: Any, v: Any) -> ufl.Form:
         """∫ σ(u) : ε(v) dx, which with the springs is a(u, v)."""
-        return self.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), self.elastic_metadata)
+        return self.elements.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), self.elastic_metadata)
 
     @property
     def elastic_metadata(self) -> dict[str, Any] | None:
@@ -166,12 +132,12 @@ class Body:
 
     def spring_forms(self, u: Any, v: Any) -> list[ufl.Form]:
         """∫ k u·v ds of every spring. Forms are kept apart so that no combination of them is compiled anew."""
-        return [support.form(self, u, v) for support in self.supports if isinstance(support, Spring)]
+        return [support.form(self.elements, u, v) for support in self.supports if isinstance(support, Spring)]
 
     def robin_form(self, u: Any, v: Any, phi: Any, surface: str, metadata: dict[str, Any]) -> ufl.Form:
         """∫ φ u_n v_n ds over a contact surface: the Robin term of (22), (32), (36)."""
         n = ufl.FacetNormal(self.mesh.domain)
-        return self.over_surface(phi * ufl.dot(u, n) * ufl.dot(v, n), surface, metadata)
+        return self.elements.over_surface(phi * ufl.dot(u, n) * ufl.dot(v, n), surface, metadata)
 
     def _check_radii(self) -> None:
         """Refuse a mesh of rings that crosses the axis."""
@@ -185,9 +151,3 @@ class Body:
         for item in (*self.supports, *self.loads):
             for surface in getattr(item, "surfaces", (item.surface,) if hasattr(item, "surface") else ()):
                 self.mesh.facets(surface)
-
-
-@cache
-def _lagrange(cell: str, degree: int, components: int) -> Any:
-    """The Lagrange element of vectors."""
-    return compat.with_cell(basix.ufl.element("Lagrange", cell, degree, shape=(components,)))

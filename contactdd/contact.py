@@ -12,9 +12,12 @@ from .body import Body
 from .field import check_field
 from .hard_contact import HardContact
 from .layer import Layer
+from .meshless import MeshlessBody
 from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
 
+#: A body's side of a contact: a body and the name of its surface, or a body without a mesh.
+Side = tuple[Body, str] | MeshlessBody
 Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 
 
@@ -33,8 +36,8 @@ class Contact:
 
     def __init__(
         self,
-        first: tuple[Body, str],
-        second: tuple[Body, str],
+        first: Side,
+        second: Side,
         layer: Layer | HardContact,
         *,
         gap: Gap = 0.0,
@@ -44,11 +47,9 @@ class Contact:
         quadrature_degree: int | None = None,
         name: str | None = None,
     ) -> None:
-        for side, value in (("first", first), ("second", second)):
-            if not (isinstance(value, tuple) and len(value) == 2 and isinstance(value[0], Body)):
-                raise TypeError(f"{side} = {value!r}: expected (body, surface name)")
-            if len(value[0].mesh.facets(value[1])) == 0:
-                raise ValueError(f"{side}: surface {value[1]!r} of body {value[0].name!r} has no facets")
+        first, second = _checked_side("first", first), _checked_side("second", second)
+        if first[0].mesh is None and second[0].mesh is None:
+            raise ValueError(f"first = {first[0]!r}, second = {second[0]!r}: expected one body with a mesh")
         _check_layer(layer)
         check_field("gap", gap)
         if name is not None and not isinstance(name, str):
@@ -77,7 +78,7 @@ class Contact:
     @property
     def reach(self) -> float:
         """How far apart partners may be."""
-        return self.search_distance or min(body.mesh.size for body, _ in self.sides)
+        return self.search_distance or min(body.mesh.size for body, _ in self.sides if body.mesh is not None)
 
     def resampled(self, degree: int) -> Contact:
         """The same contact at Gauss points of another degree."""
@@ -110,6 +111,18 @@ class Contact:
     def __repr__(self) -> str:
         zones = " and ".join(f"{body.name}.{surface}" for body, surface in self.sides)
         return f"Contact({self.name!r}: {zones}, {self.layer!r})"
+
+
+def _checked_side(name: str, side: Side) -> tuple[Body | MeshlessBody, str]:
+    """A side of a contact as (body, surface name); a body without a mesh stands for its whole surface."""
+    if isinstance(side, MeshlessBody):
+        return side, ""
+    if not (isinstance(side, tuple) and len(side) == 2 and isinstance(side[0], Body)):
+        raise TypeError(f"{name} = {side!r}: expected (body, surface name), or a body without a mesh")
+    body, surface = side
+    if len(body.mesh.facets(surface)) == 0:
+        raise ValueError(f"{name}: surface {surface!r} of body {body.name!r} has no facets")
+    return body, surface
 
 
 def _check_layer(layer: Layer | HardContact) -> None:

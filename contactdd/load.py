@@ -6,18 +6,16 @@ A value is a number, an array, a function of the coordinates x (3, points), a UF
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
 from .base.checks import as_floats
+from .elements import Elements
 from .field import Field, check_field, coefficient
 from .parameter import current
-
-if TYPE_CHECKING:
-    from .body import Body
 
 
 @dataclass(frozen=True)
@@ -30,9 +28,9 @@ class Pressure:
     def __post_init__(self) -> None:
         check_field("pressure", self.value)
 
-    def form(self, body: Body, v: Any) -> Any:
-        p = coefficient("pressure", self.value, body.mesh.domain, (), body.degree + 2)
-        return body.over_surface(-p * ufl.dot(ufl.FacetNormal(body.mesh.domain), v), self.surface)
+    def form(self, on: Elements, v: Any) -> Any:
+        p = coefficient("pressure", self.value, on.domain, (), on.field_degree)
+        return on.over_surface(-p * ufl.dot(ufl.FacetNormal(on.domain), v), self.surface)
 
 
 @dataclass(frozen=True)
@@ -45,9 +43,9 @@ class Traction:
     def __post_init__(self) -> None:
         check_field("traction", self.value, vector=True)
 
-    def form(self, body: Body, v: Any) -> Any:
-        p = coefficient("traction", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
-        return body.over_surface(ufl.dot(p, v), self.surface)
+    def form(self, on: Elements, v: Any) -> Any:
+        p = coefficient("traction", self.value, on.domain, (on.dim,), on.field_degree)
+        return on.over_surface(ufl.dot(p, v), self.surface)
 
 
 @dataclass(frozen=True)
@@ -59,9 +57,9 @@ class BodyForce:
     def __post_init__(self) -> None:
         check_field("body force", self.value, vector=True)
 
-    def form(self, body: Body, v: Any) -> Any:
-        f = coefficient("body force", self.value, body.mesh.domain, (body.mesh.dim,), body.degree + 2)
-        return body.over_volume(ufl.dot(f, v))
+    def form(self, on: Elements, v: Any) -> Any:
+        f = coefficient("body force", self.value, on.domain, (on.dim,), on.field_degree)
+        return on.over_volume(ufl.dot(f, v))
 
 
 @dataclass(frozen=True)
@@ -78,14 +76,14 @@ class Resultant:
     def __post_init__(self) -> None:
         as_floats("force", current(self.force), "2 or 3 finite numbers")
 
-    def form(self, body: Body, v: Any) -> Any:
+    def form(self, on: Elements, v: Any) -> Any:
         force = current(self.force)
-        if callable(force) or np.shape(force) != (body.mesh.dim,) or not np.all(np.isfinite(force)):
-            raise ValueError(f"force = {self.force!r}: expected {body.mesh.dim} finite numbers")
-        if body.kinematics.ring and force[0] != 0.0:
+        if callable(force) or np.shape(force) != (on.dim,) or not np.all(np.isfinite(force)):
+            raise ValueError(f"force = {self.force!r}: expected {on.dim} finite numbers")
+        if on.kinematics.ring and force[0] != 0.0:
             raise ValueError(f"force = {self.force!r}: around a ring radial forces sum to zero; expected force[0] = 0")
-        traction = fem.Constant(body.mesh.domain, np.asarray(force, dtype=float) / body.area(self.surface))
-        return body.over_surface(ufl.dot(traction, v), self.surface, body.area_metadata)
+        traction = fem.Constant(on.domain, np.asarray(force, dtype=float) / on.area(self.surface))
+        return on.over_surface(ufl.dot(traction, v), self.surface, on.area_metadata)
 
 
 Load = Pressure | Traction | BodyForce | Resultant

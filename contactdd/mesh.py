@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from .base import compat
 from .base.checks import as_count, as_floats, check_choice, finite
 from .base.facets import facet_corners, facet_entities
-from .base.isometry import Isometry, reflection, translation
+from .base.isometry import Isometry, isometry_between, reflection, translation
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
@@ -40,7 +40,6 @@ class Mesh:
 
     domain: dmesh.Mesh
     surfaces: Mapping[str, NDArray[np.int32]]
-    _made_from: tuple[Mesh, Isometry] | None = field(default=None, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         ranks = self.domain.comm.size
@@ -90,28 +89,20 @@ class Mesh:
 
     def with_surfaces(self, **markers: Marker) -> Mesh:
         """The same mesh with more named surfaces, each given by a function x (3, points) -> bool of boundary facets."""
-        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)})
-        vars(mesh).update(_made_from=self._made_from)
-        return mesh
-
-    @property
-    def origin(self) -> tuple[Mesh, Isometry] | None:
-        """The mesh that this one is a copy of, itself no copy, and the isometry from its coordinates to these.
-
-        None for a mesh that is no copy, or no longer: when coordinates were changed on one side only.
-        """
-        if self._made_from is None:
-            return None
-        mesh, isometry = self._made_from
-        same = np.array_equal(isometry(mesh.domain.geometry.x[:, : self.dim]), self.domain.geometry.x[:, : self.dim])
-        return (mesh, isometry) if same else None
+        return Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)})
 
     def isometry_from(self, other: Mesh) -> Isometry | None:
-        """What takes another mesh to this one if both are copies of one, with the same named surfaces; else None."""
-        (root, own), (other_root, others) = (
-            mesh.origin or (mesh, translation(np.zeros(mesh.dim))) for mesh in (self, other)
-        )
-        return own.after(others.inverse) if root is other_root and self.surfaces is other.surfaces else None
+        """The motion or mirror image that takes another mesh's nodes to this one's, one by one; None if there is none.
+
+        Both have to have the same cells, numbered alike, and the same named surfaces.
+        """
+        if not (self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)):
+            return None
+        ours, theirs = (compat.geometry_dofmap(mesh.domain) for mesh in (self, other))
+        if ours.shape != theirs.shape or self.domain.topology.cell_name() != other.domain.topology.cell_name():
+            return None
+        isometry = isometry_between(other.domain.geometry.x[:, : self.dim], self.domain.geometry.x[:, : self.dim])
+        return isometry if isometry is not None and np.array_equal(ours, theirs) else None
 
     def moved(self, offset: Sequence[float]) -> Mesh:
         """A copy of the mesh, moved by `offset` (dim,). It has the same cells, facets and named surfaces."""
@@ -131,16 +122,12 @@ class Mesh:
 
     def _copy(self, isometry: Isometry, asked: str) -> Mesh:
         """The image of the mesh, which shares its topology."""
-        mesh, first = self.origin or (self, None)
-        onward = isometry if first is None else isometry.after(first)
-        x, size = mesh.domain.geometry.x[:, : self.dim], self.size
-        image = onward(x)
+        x = self.domain.geometry.x[:, : self.dim]
+        image = isometry(x)
         # Its cells are as good as those of this mesh, unless rounding has moved their corners.
-        if not np.abs(onward.signs * (image - onward.offset) - x).max() <= 1e-10 * size:
-            raise ValueError(f"{asked}: so far away a mesh of the size {size:g} loses the digits of its shape")
-        copy = Mesh._sound(compat.with_coordinates(mesh.domain, image), self.surfaces, self._entities)
-        vars(copy).update(_made_from=(mesh, onward))
-        return copy
+        if not np.abs(isometry.signs * (image - isometry.offset) - x).max() <= 1e-10 * self.size:
+            raise ValueError(f"{asked}: so far away a mesh of the size {self.size:g} loses the digits of its shape")
+        return Mesh._sound(compat.with_coordinates(self.domain, image), self.surfaces, self._entities)
 
     @classmethod
     def _sound(
@@ -154,6 +141,11 @@ class Mesh:
     def __repr__(self) -> str:
         counts = ", ".join(f"{name}: {len(facets)}" for name, facets in self.surfaces.items())
         return f"Mesh({self.cells} {self.domain.topology.cell_name()}s; facets {counts})"
+
+
+def _same_surfaces(some: Mapping[str, NDArray[np.int32]], others: Mapping[str, NDArray[np.int32]]) -> bool:
+    """Whether meshes numbered alike have the same named surfaces."""
+    return some.keys() == others.keys() and all(np.array_equal(some[name], others[name]) for name in some)
 
 
 def rectangle(

@@ -166,6 +166,8 @@ class Solution:
         """The displacement of a body (length), a dolfinx function."""
         place = self._place(body)
         name = self.scene.bodies[place].name
+        if self.scene.bodies[place].mesh is None:
+            return self._fields[place].displacement
         if name not in self._displacements:
             function = fem.Function(self.scene.bodies[place].space, name="displacement")
             function.x.array[:] = self._fields[place].displacement
@@ -199,7 +201,7 @@ class Solution:
             pressure,
             None if interface.gathered is not None else interface.functions,
             ratio,
-            bool(ratio > STIFF and interface.facets is None and gathered is None),
+            bool(ratio > STIFF and interface.unlike and gathered is None),
             hard,
         )
         return replace(result, pressure=result.projected_pressure) if result.wavers else result
@@ -253,13 +255,13 @@ class Solution:
         They sum to zero. In a body of revolution they are those of the full ring, on which radial forces sum to zero.
         """
         place = self._place(body)
-        problem, owner = self._ensemble.problems[place], self.scene.bodies[place]
-        loads, contact, fields = problem.full_load, self._contact_load(place), self._fields[place]
+        problem = self._ensemble.problems[place]
+        loads, contact, fields = problem.dofs.load, self._contact_load(place), self._fields[place]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
-        supports = supports - problem.space.extended(problem.space.restricted(supports)) - fields.spring_forces
+        supports = problem.dofs.reactions(supports) - fields.spring_forces
         parts = {"loads": loads, "contact": contact, "supports": supports}
-        return {name: owner.kinematics.resultant(v.reshape(-1, owner.mesh.dim)) for name, v in parts.items()}
+        return {name: problem.dofs.resultant(forces) for name, forces in parts.items()}
 
     @cached_property
     def imbalance(self) -> float:
@@ -277,8 +279,8 @@ class Solution:
         total = scale = 0.0
         for place, problem in enumerate(self._ensemble.problems):
             contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
-            total += float(np.sum(problem.space.restricted(problem.full_load + contact - elastic) ** 2))
-            scale += float(problem.full_load @ problem.full_load + contact @ contact)
+            total += float(np.sum(problem.dofs.free_forces(problem.dofs.load + contact - elastic) ** 2))
+            scale += float(problem.dofs.load @ problem.dofs.load + contact @ contact)
         return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
 
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
@@ -343,8 +345,8 @@ class Solution:
             return fields
         moves = []
         parts = motions.by_owner(motions.neutral)
-        for body, owner, part in zip(self.scene.bodies, motions.owners, parts, strict=True):
-            moves.append(body.rigid_modes() @ (owner.coefficients @ part))
+        for problem, owner, part in zip(self._ensemble.problems, motions.owners, parts, strict=True):
+            moves.append(problem.dofs.rigid_displacements(owner.coefficients @ part))
         drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
         return [replace(f, displacement=f.displacement - move @ drift) for f, move in zip(fields, moves, strict=True)]
 
@@ -361,8 +363,8 @@ class Solution:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
         problem = self._ensemble.problems[place]
         tractions = self._ensemble.by_interface(self._ensemble.tractions(self._state))
-        total = np.zeros_like(problem.full_load)
-        for port in problem.ports:
+        total = np.zeros_like(problem.dofs.load)
+        for port in problem.traces:
             total += port.side.trace.T @ tractions[port.interface]
         return total
 

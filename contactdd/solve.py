@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from .base.checks import as_count, check_choice, finite, positive
+from .base.ranks import Ranks
 from .errors import NoEquilibriumError, NotConvergedError
 from .history import Record
 from .iteration.augmented import AugmentedRun
@@ -89,14 +90,14 @@ def solve(
     _check_start(start, previous)
     if callback is not None and not callable(callback):
         raise TypeError(f"callback = {callback!r}: expected a function of a record")
-    ranks, ensemble = scene.ranks, Ensemble(scene.subproblems(local_solver), scene.interfaces)
+    ranks, ensemble = scene.ranks, Ensemble(scene.local_problems(local_solver), scene.interfaces)
     hard = any(interface.hard for interface in scene.interfaces)
     if hard and file is not None:
         raise ValueError(f"checkpoint = {checkpoint!r}: the multipliers of a hard contact are not kept; expected None")
     if resume and ranks.once(file.exists):
         earlier = ranks.once(lambda: read(file, ensemble, scheme.name))
     else:
-        earlier = (_start(ensemble, scheme, gamma, start, previous),)
+        earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
     kind = AugmentedRun if hard else Run
     run = kind(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
     keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
@@ -167,6 +168,7 @@ def _check_start(start: starts.Given | Solution | None, previous: starts.Given |
 
 def _start(
     ensemble: Ensemble,
+    ranks: Ranks,
     scheme: Scheme,
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
@@ -177,7 +179,7 @@ def _start(
         state = starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
         return starts.with_multipliers(state, start.multipliers)
     if start is not None:
-        return starts.from_contacts(ensemble, start, previous)
+        return starts.from_contacts(ensemble, ranks, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
     guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.together(ensemble) if guarded else starts.closed(ensemble)
+    return starts.together(ensemble) if guarded else starts.closed(ensemble, ranks)

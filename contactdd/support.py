@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import ufl
@@ -14,13 +14,10 @@ from numpy.typing import NDArray
 from .base.arrays import Floats
 from .base.checks import check_choice, positive
 from .base.facets import surface_points
+from .elements import Elements
 from .field import Field, check_field, coefficient, evaluate
 from .material import Number
 from .parameter import refuse_parameter
-
-if TYPE_CHECKING:
-    from .body import Body
-
 
 #: One prescribed component: nodes (n,), a unit direction (dim,) and the values (n,) of u·direction at the nodes.
 Condition = tuple[NDArray[np.int32], Floats, Floats]
@@ -35,10 +32,10 @@ class Fixed:
     def __init__(self, *surfaces: str) -> None:
         object.__setattr__(self, "surfaces", surfaces)
 
-    def conditions(self, body: Body) -> Iterator[Condition]:
+    def conditions(self, on: Elements) -> Iterator[Condition]:
         for surface in self.surfaces:
-            nodes = surface_nodes(body, surface)
-            for axis in np.eye(body.mesh.dim):
+            nodes = on.nodes(surface)
+            for axis in np.eye(on.dim):
                 yield nodes, axis, np.zeros(len(nodes))
 
 
@@ -51,9 +48,9 @@ class Symmetry:
     def __init__(self, *surfaces: str) -> None:
         object.__setattr__(self, "surfaces", surfaces)
 
-    def conditions(self, body: Body) -> Iterator[Condition]:
-        for surface, normal in _plane_normals(body, self.surfaces):
-            nodes = surface_nodes(body, surface)
+    def conditions(self, on: Elements) -> Iterator[Condition]:
+        for surface, normal in _plane_normals(on, self.surfaces):
+            nodes = on.nodes(surface)
             yield nodes, normal, np.zeros(len(nodes))
 
 
@@ -74,12 +71,12 @@ class Displacement:
             if value is not None:
                 check_field("displacement", value)
 
-    def conditions(self, body: Body) -> Iterator[Condition]:
-        if len(self.values) != body.mesh.dim:
-            raise ValueError(f"values = {self.values!r}: expected {body.mesh.dim} entries (None where free)")
-        nodes = surface_nodes(body, self.surface)
-        x = body.space.tabulate_dof_coordinates()[nodes].T
-        for axis, value in zip(np.eye(body.mesh.dim), self.values, strict=True):
+    def conditions(self, on: Elements) -> Iterator[Condition]:
+        if len(self.values) != on.dim:
+            raise ValueError(f"values = {self.values!r}: expected {on.dim} entries (None where free)")
+        nodes = on.nodes(self.surface)
+        x = on.coordinates(nodes)
+        for axis, value in zip(np.eye(on.dim), self.values, strict=True):
             if value is not None:
                 yield nodes, axis, evaluate("displacement", value, x)
 
@@ -104,17 +101,17 @@ class Spring:
         if isinstance(self.direction, str):
             check_choice("direction", self.direction, ("normal",))
 
-    def conditions(self, body: Body) -> Iterator[Condition]:
+    def conditions(self, on: Elements) -> Iterator[Condition]:
         return iter(())
 
-    def form(self, body: Body, u: Any, v: Any) -> ufl.Form:
+    def form(self, on: Elements, u: Any, v: Any) -> ufl.Form:
         """∫ k u·v ds, or ∫ k (u·e)(v·e) ds along one direction e."""
         value = self._values if callable(self.stiffness) else self.stiffness
-        k = coefficient("stiffness", value, body.mesh.domain, (), body.degree + 2)
+        k = coefficient("stiffness", value, on.domain, (), on.field_degree)
         if self.direction is None:
-            return body.over_surface(k * ufl.dot(u, v), self.surface)
-        e = ufl.FacetNormal(body.mesh.domain) if isinstance(self.direction, str) else self._direction(body)
-        return body.over_surface(k * ufl.dot(u, e) * ufl.dot(v, e), self.surface)
+            return on.over_surface(k * ufl.dot(u, v), self.surface)
+        e = ufl.FacetNormal(on.domain) if isinstance(self.direction, str) else self._direction(on)
+        return on.over_surface(k * ufl.dot(u, e) * ufl.dot(v, e), self.surface)
 
     def _values(self, x: Floats) -> Floats:
         values = evaluate("stiffness", self.stiffness, x)
@@ -123,37 +120,28 @@ class Spring:
             raise ValueError(f"stiffness = {values[worst]:g} at x = {x[:, worst]}: expected numbers >= 0")
         return values
 
-    def _direction(self, body: Body) -> fem.Constant:
+    def _direction(self, on: Elements) -> fem.Constant:
         direction = np.asarray(self.direction, dtype=float)
-        if direction.shape != (body.mesh.dim,) or not 0.0 < np.linalg.norm(direction) < np.inf:
-            raise ValueError(
-                f"direction = {self.direction!r}: expected 'normal' or a vector of {body.mesh.dim} numbers"
-            )
-        return fem.Constant(body.mesh.domain, direction / np.linalg.norm(direction))
+        if direction.shape != (on.dim,) or not 0.0 < np.linalg.norm(direction) < np.inf:
+            raise ValueError(f"direction = {self.direction!r}: expected 'normal' or a vector of {on.dim} numbers")
+        return fem.Constant(on.domain, direction / np.linalg.norm(direction))
 
 
 Support = Fixed | Symmetry | Displacement | Spring
 
 
-def surface_nodes(body: Body, surface: str) -> NDArray[np.int32]:
-    """The nodes (blocks of degrees of freedom) of a body on one of its named surfaces."""
-    return fem.locate_dofs_topological(body.space, body.mesh.dim - 1, body.mesh.facets(surface))
-
-
-def _plane_normals(body: Body, surfaces: Sequence[str]) -> Iterator[tuple[str, Floats]]:
+def _plane_normals(on: Elements, surfaces: Sequence[str]) -> Iterator[tuple[str, Floats]]:
     """The flat surfaces by name, each with its outward normal; a curved one is refused."""
     if not surfaces:
         return
-    entities = [body.mesh.entities(surface) for surface in surfaces]
-    middle = np.full((1, body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
-    normals = surface_points(body.mesh.domain, np.concatenate(entities), middle).normal
+    entities = [on.mesh.entities(surface) for surface in surfaces]
+    middle = np.full((1, on.dim - 1), 0.5 if on.dim == 2 else 1 / 3)
+    normals = surface_points(on.domain, np.concatenate(entities), middle).normal
     end = 0
     for surface, pairs in zip(surfaces, entities, strict=True):
         start, end = end, end + len(pairs)
         total = normals[start:end].sum(axis=0)
         mean = total / max(float(np.sqrt(total @ total)), 1e-300)
         if np.abs(normals[start:end] - mean).max() > 1e-8:  # a file may have rounded coordinates to eight digits
-            raise ValueError(
-                f"surface = {surface!r} of body {body.name!r}: expected a flat surface for a symmetry plane"
-            )
+            raise ValueError(f"surface = {surface!r} of body {on.name!r}: expected a flat surface for a symmetry plane")
         yield surface, np.where(np.abs(mean) < 1e-8, 0.0, mean)

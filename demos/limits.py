@@ -65,12 +65,12 @@ def predicted_contraction(scene: cd.Scene, gamma: float) -> float:
 
     A: the bodies' stiffness; Φ: the Robin terms, body by body; C: the contacts' coupled stiffness.
     """
-    problems = scene.subproblems("condensed")
+    problems = scene.local_problems("condensed")
     phi = {i: np.full(len(face.weights), face.contact.layer.stiffness) for i, face in enumerate(scene.interfaces)}
     ensemble = Ensemble(problems, scene.interfaces)
     unknowns = np.eye(ensemble.size)
     coupled = ensemble.tangent(phi, unknowns)
-    apart = scipy.linalg.block_diag(*(np.column_stack([*map(p.held(phi), np.eye(p.size))]) for p in problems))
+    apart = scipy.linalg.block_diag(*(np.column_stack([*map(p.robin_solver(phi), np.eye(p.size))]) for p in problems))
     return float(np.abs(np.linalg.eigvals(unknowns - gamma * apart @ coupled)).max())
 
 

@@ -165,8 +165,8 @@ def test_a_total_force_is_that_of_the_ring():
     mesh = cd.rectangle((0, 0), (2, 1), (4, 2))
     for degree in (1, 2):
         body = cd.Body("b", mesh, STEEL, kinematics="axisymmetric", degree=degree)
-        assert body.area("top") == pytest.approx(4 * np.pi, rel=1e-14)
-        assert body.area("right") == pytest.approx(4 * np.pi, rel=1e-14)
+        assert body.elements.area("top") == pytest.approx(4 * np.pi, rel=1e-14)
+        assert body.elements.area("right") == pytest.approx(4 * np.pi, rel=1e-14)
 
 
 def solve_one(**options):

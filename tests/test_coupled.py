@@ -31,7 +31,7 @@ def stack(lower: list, upper: list) -> cd.Scene:
 
 
 def together(scene: cd.Scene, local_solver: str = "condensed") -> Ensemble:
-    return Ensemble(scene.subproblems(local_solver), scene.interfaces)
+    return Ensemble(scene.local_problems(local_solver), scene.interfaces)
 
 
 def matrix(ensemble: Ensemble, phi: dict) -> np.ndarray:
@@ -123,10 +123,10 @@ def test_free_motions_are_the_null_space(supports):
         free = rigid.free({0: phi})
         assert free.shape[1] == count
         assert free.T @ free == pytest.approx(np.eye(count), abs=1e-12)
-        assert np.abs(matrix(ensemble, {0: phi}) @ rigid.modes @ free).max(initial=0.0) <= 1e-10 * rigid.largest
+        assert np.abs(matrix(ensemble, {0: phi}) @ rigid.modes @ free).max(initial=0.0) <= 1e-10 * rigid.stiffness_scale
         ground = select_fixing_dofs(rigid.modes @ free)
         held = matrix(ensemble, {0: phi})
-        held[ground, ground] += rigid.largest
+        held[ground, ground] += rigid.stiffness_scale
         assert np.linalg.eigvalsh(held)[0] > 0.0
 
 
@@ -141,7 +141,7 @@ def test_a_body_that_turns_about_the_only_closed_point():
     assert np.abs(ensemble.closing[3] @ ensemble.rigid.modes @ free).max() < 1e-12
     forces = ensemble.rigid.modes @ free[:, 0]
     with pytest.raises(LooseBodyError, match="upper"):
-        ensemble.rigid.ground({0: phi}, forces, 1.0)
+        ensemble.rigid.fixing_dofs({0: phi}, forces, 1.0)
 
 
 @pytest.mark.parametrize("zero", [1e-3, 0.3, 1.0, 5.0, 700.0])

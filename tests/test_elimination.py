@@ -7,14 +7,14 @@ import pytest
 
 import contactdd as cd
 from contactdd.local.affine import AffineCells, are_affine
-from contactdd.local.assembled import AssembledProblem
 from contactdd.local.condensation import (
     DenseCondensation,
     ElementCondensation,
     MirroredCondensation,
     SparseCondensation,
-    condense_by_elements,
 )
+from contactdd.local.copies import signs_between
+from contactdd.local.discrete import DiscreteBody
 from contactdd.local.forms import stiffness_matrix
 
 #: Two ways to the same numbers differ by the rounding of sums over some hundred terms.
@@ -75,7 +75,7 @@ def test_which_cells_are_affine():
     assert are_affine(cd.rectangle((1e3, 1e3), (1e3 + 1, 1e3 + 1), (7, 3), shape="quadrilateral"))
 
 
-def problem(shape: str, degree: int, lower: tuple[float, ...], supports: list[object]) -> AssembledProblem:
+def problem(shape: str, degree: int, lower: tuple[float, ...], supports: list[object]) -> DiscreteBody:
     """A block under another, its contact on top, pressed from the side and from inside."""
     dim = len(lower)
     middle, upper = np.add(lower, 1.0), np.add(lower, 1.0)
@@ -91,11 +91,13 @@ def problem(shape: str, degree: int, lower: tuple[float, ...], supports: list[ob
         for name, mesh in zip(("lower", "upper"), meshes, strict=True)
     ]
     scene = cd.Scene(bodies, [cd.Contact((bodies[0], "top"), (bodies[1], "bottom"), cd.LinearLayer(1e5))])
-    return AssembledProblem(bodies[0], 0, scene.interfaces)
+    return scene.local_problems("assembled")[0].dofs
 
 
-def kept_unknowns(inner: AssembledProblem) -> np.ndarray:
-    return inner.space.unknowns_at(inner.sides[0][1].trace.indices)
+def kept_unknowns(inner: DiscreteBody) -> np.ndarray:
+    nodes = inner.body.elements.nodes("top")
+    dim = inner.body.mesh.dim
+    return inner.space.unknowns_at(nodes * dim + dim - 1)
 
 
 CASES = [("triangle", 3, 2), ("triangle", 4, 2), ("quadrilateral", 3, 2), ("tetrahedron", 4, 3), ("hexahedron", 3, 3)]
@@ -111,20 +113,23 @@ def test_cellwise_is_the_same_as_whole(shape, degree, dim, floating, monkeypatch
     monkeypatch.setattr(
         AffineCells, "ENTRIES", 2 * inner.body.space.element.space_dimension**2
     )  # a few cells at a time
-    whole = SparseCondensation(inner.stiffness, kept)
+    whole = SparseCondensation(inner.stiffness.reduced, kept)
     cellwise = ElementCondensation(AffineCells(inner.body), inner.space, kept)
-    scale = np.abs(whole.complement).max()
-    assert np.abs(cellwise.complement - whole.complement).max() < 1e-11 * scale
-    (on_kept, work), (expected, expected_work) = cellwise.reduced(inner.load), whole.reduced(inner.load)
-    assert on_kept == pytest.approx(expected, abs=1e-11 * np.abs(inner.load).sum())
+    scale = np.abs(whole.schur_complement).max()
+    assert np.abs(cellwise.schur_complement - whole.schur_complement).max() < 1e-11 * scale
+    (on_kept, work), (expected, expected_work) = (
+        cellwise.condense_load(inner.free_load),
+        whole.condense_load(inner.free_load),
+    )
+    assert on_kept == pytest.approx(expected, abs=1e-11 * np.abs(inner.free_load).sum())
     assert work == pytest.approx(expected_work, rel=1e-10)
     values = np.random.default_rng(1).normal(size=len(kept))
-    y = whole.extended(values, 1e3 * inner.load)
-    assert cellwise.extended(values, 1e3 * inner.load) == pytest.approx(y, abs=1e-10 * np.abs(y).max())
+    y = whole.recover(values, 1e3 * inner.free_load)
+    assert cellwise.recover(values, 1e3 * inner.free_load) == pytest.approx(y, abs=1e-10 * np.abs(y).max())
     # The others are in equilibrium: what is left of the forces there is the rounding of the stiffness.
-    others = np.setdiff1d(np.arange(inner.size), kept)
-    left = (1e3 * inner.load - inner.stiffness @ y)[others]
-    assert np.abs(left).max() < 1e-12 * np.abs(inner.stiffness).max() * np.abs(y).max() * inner.size
+    others = np.setdiff1d(np.arange(inner.space.size), kept)
+    left = (1e3 * inner.free_load - inner.stiffness.reduced @ y)[others]
+    assert np.abs(left).max() < 1e-12 * np.abs(inner.stiffness.reduced).max() * np.abs(y).max() * inner.space.size
 
 
 @pytest.mark.parametrize("kept", [0, 2, 5])
@@ -134,12 +139,12 @@ def test_a_dense_elimination_of_some_all_or_none(kept):
     inner, values = 5 - kept, np.ones(kept)
     dense = DenseCondensation(matrix, kept)
     response = np.linalg.solve(matrix[:inner, :inner], np.column_stack([matrix[:inner, inner:], forces[:inner]]))
-    assert dense.complement == pytest.approx(matrix[inner:, inner:] - matrix[inner:, :inner] @ response[:, :-1])
-    on_kept, work = dense.reduced(forces)
+    assert dense.schur_complement == pytest.approx(matrix[inner:, inner:] - matrix[inner:, :inner] @ response[:, :-1])
+    on_kept, work = dense.condense_load(forces)
     assert on_kept == pytest.approx(forces[inner:] - matrix[inner:, :inner] @ response[:, -1])
     assert work == pytest.approx(forces[:inner] @ response[:, -1])
     expected = np.concatenate([response[:, -1] - response[:, :-1] @ values, values])
-    assert dense.extended(values, forces) == pytest.approx(expected)
+    assert dense.recover(values, forces) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(("shape", "degree", "dim"), CASES)
@@ -147,30 +152,31 @@ def test_a_moved_copy_is_an_image(shape, degree, dim):
     walls = cd.Symmetry("left") if dim == 2 else cd.Symmetry("left", "front")
     inner, moved = (problem(shape, degree, (x,) * dim, [walls]) for x in (0.0, 7.3))
     kept, space = kept_unknowns(inner), inner.space
-    original = condense_by_elements(AffineCells(inner.body), space, kept, [])
-    image = condense_by_elements(AffineCells(moved.body), space, kept, [original])
-    assert isinstance(image, MirroredCondensation)
+    signs = signs_between(inner.body, moved.body)
+    original = ElementCondensation(AffineCells(inner.body), space, kept)
+    image = MirroredCondensation(original, inner.mirrored(signs), kept)
     own = ElementCondensation(AffineCells(moved.body), space, kept)
-    assert np.abs(image.complement - own.complement).max() < 1e-10 * np.abs(own.complement).max()
+    assert np.abs(image.schur_complement - own.schur_complement).max() < 1e-10 * np.abs(own.schur_complement).max()
 
 
 def test_another_body_is_no_image():
     inner = problem("quadrilateral", 3, (0.0, 0.0), [cd.Symmetry("left")])
-    kept, space = kept_unknowns(inner), inner.space
-    original = condense_by_elements(AffineCells(inner.body), space, kept, [])
     wider = cd.rectangle((0, 0), (1 + 1e-9, 1), (2, 2), shape="quadrilateral")
+    supports = inner.body.supports
     for body in (
-        cd.Body("softer", inner.body.mesh, cd.Isotropic(1e5, 0.3), degree=3),
-        cd.Body("wider", wider, inner.body.material, degree=3),
+        cd.Body("softer", inner.body.mesh, cd.Isotropic(1e5, 0.3), degree=3, supports=supports),
+        cd.Body("wider", wider, inner.body.material, degree=3, supports=supports),
     ):
-        assert isinstance(condense_by_elements(AffineCells(body), space, kept, [original]), ElementCondensation)
+        assert signs_between(inner.body, body) is None
+    same = cd.Body("same", inner.body.mesh, inner.body.material, degree=3, supports=supports)
+    assert signs_between(inner.body, same).tolist() == [1.0, 1.0]
 
 
 @pytest.mark.parametrize("method", ["auto", "chord"])
 def test_condensed_cellwise_is_assembled(method):
     """The same contact pressure whether the inside is eliminated cell by cell or the Robin term assembled from UFL."""
     inner = problem("quadrilateral", 4, (0.0, 0.0), [cd.Symmetry("left"), cd.Fixed("bottom")])
-    lower, upper = inner.body, inner.sides[0][1].surface.body
+    lower = inner.body
     upper = cd.Body(
         "upper",
         cd.rectangle((0, 1), (1, 2), (2, 2), shape="quadrilateral"),

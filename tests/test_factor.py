@@ -7,7 +7,6 @@ import pytest
 import scipy.sparse as sp
 
 import contactdd as cd
-from contactdd.local.assembled import AssembledProblem
 from contactdd.local.factor import Factor
 
 
@@ -17,7 +16,7 @@ def floating() -> sp.csr_matrix:
     lower = cd.Body("a", cd.rectangle((0, 0), (1, 1), (4, 3)), cd.Isotropic(1e3, 0.3), supports=[cd.Symmetry("left")])
     upper = cd.Body("b", cd.rectangle((0, 1), (1, 2), (4, 3)), cd.Isotropic(1e3, 0.3), supports=[cd.Fixed("top")])
     scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1.0))])
-    return AssembledProblem(lower, 0, scene.interfaces).stiffness
+    return scene.local_problems("assembled")[0].stiffness
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 3, 8, 20])
@@ -30,7 +29,7 @@ def test_schur_complement(floating, count):
         block, coupling = dense[np.ix_(inner, inner)], dense[np.ix_(kept, inner)]
         expected = dense[np.ix_(kept, kept)] - coupling @ np.linalg.solve(block, coupling.T)
         # To rounding: the inner block's condition is below a thousand.
-        assert np.abs(factor.complement - expected).max() < 1e-11 * np.abs(dense).max()
+        assert np.abs(factor.schur_complement - expected).max() < 1e-11 * np.abs(dense).max()
         assert factor.solve(np.ones(n))[inner] == pytest.approx(np.linalg.solve(block, np.ones(count)), rel=1e-10)
 
 
@@ -38,7 +37,7 @@ def test_nothing_kept():
     """Supports may hold all that the contacts of a body touch."""
     matrix = sp.csr_matrix(np.diag([2.0, 3.0, 4.0]) + 0.5 * np.ones((3, 3)))
     factor = Factor(matrix.copy(), schur=np.zeros(0, dtype=np.intp))
-    assert factor.complement.shape == (0, 0)
+    assert factor.schur_complement.shape == (0, 0)
     assert factor.solve(np.ones(3)) == pytest.approx(np.linalg.solve(matrix.toarray(), np.ones(3)), rel=1e-14)
 
 
@@ -47,4 +46,4 @@ def test_no_unknowns_at_all():
     for factor in (Factor(empty), Factor(empty, schur=np.zeros(0, dtype=np.intp))):
         factor.update(np.zeros(0))
         assert factor.solve(np.zeros(0)).shape == (0,)
-        assert factor.complement.shape == (0, 0)
+        assert factor.schur_complement.shape == (0, 0)

@@ -45,7 +45,7 @@ def counted(function, calls: list):
 def test_a_body_is_factored_once_per_correction(local_solver, monkeypatch):
     """It is solved many times more, and the forces balance as before."""
     scene, done = stack(4), []
-    scene.subproblems(local_solver)  # the insides are eliminated before the counting begins
+    scene.local_problems(local_solver)  # the insides are eliminated before the counting begins
     for owner, name in ((scipy.linalg.lapack, "dpotrf"), (scipy.linalg.lapack, "dposv"), (Factor, "update")):
         monkeypatch.setattr(owner, name, counted(getattr(owner, name), done))
     solution = cd.solve(scene, "newton-krylov", local_solver=local_solver)
@@ -58,9 +58,9 @@ def test_a_body_is_factored_once_per_correction(local_solver, monkeypatch):
 def test_held_is_one_symmetric_inverse_for_many_forces(local_solver):
     """Where the supports hold the body it is (A + Φ)⁻¹ itself, as `correct` finds it, or a multigrid cycle near it."""
     scene = stack(2)
-    problem = scene.subproblems(local_solver)[0]
+    problem = scene.local_problems(local_solver)[0]
     phi = {i: np.full(len(face.weights), 1e5) for i, face in enumerate(scene.interfaces)}
-    held = problem.held(phi)
+    held = problem.robin_solver(phi)
     forces = np.random.default_rng(1).standard_normal((3, problem.size))
     found = np.array([held(force) for force in forces])
     products = forces @ found.T

@@ -61,7 +61,7 @@ def errors(n, degree):
         difference = solution.displacement(made) - ufl.as_vector(displacement(x, made.name, ufl.sin, ufl.cos))
         rule = {"quadrature_degree": 2 * degree + 4}
         for i, integrand in enumerate((difference**2, ufl.grad(difference) ** 2)):
-            square[i] += fem.assemble_scalar(compat.form(made.over_volume(integrand, rule)))
+            square[i] += fem.assemble_scalar(compat.form(made.elements.over_volume(integrand, rule)))
     result = solution.contact(degree=2 * degree + 6)
     p = pressure(result.x[:, 0])
     return *np.sqrt(square), np.sqrt(result.weights @ (result.pressure - p) ** 2 / (result.weights @ p**2))

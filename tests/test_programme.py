@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.local import assembled as subproblem
+from contactdd.local import assembled
 
 STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)
@@ -79,10 +79,10 @@ def test_matrices_are_kept_and_a_warm_start_is_one(monkeypatch):
     q = cd.Parameter(10.0)
     of = scene(load=q)
     cold = cd.solve(of, "chord")
-    before = [(p.stiffness, p.matrices.full, p.rigid) for p in of.subproblems("condensed")]
-    monkeypatch.setattr(subproblem, "Factor", None)  # nothing may be factored again
+    before = [(p.stiffness, p.dofs.stiffness.full, p.rigid) for p in of.local_problems("condensed")]
+    monkeypatch.setattr(assembled, "Factor", None)  # nothing may be factored again
     path = cd.programme(of, q, [10.05, 10.1], start=cold, method="chord")
-    after = [(p.stiffness, p.matrices.full, p.rigid) for p in of.subproblems("condensed")]
+    after = [(p.stiffness, p.dofs.stiffness.full, p.rigid) for p in of.local_problems("condensed")]
     assert all(a is b for old, new in zip(before, after, strict=True) for a, b in zip(old, new, strict=True))
     # The steps are 200 times smaller than the load, the rate is the same: ln 200 / ln(1e8) of the iterations less.
     assert all(step.iterations < 0.85 * cold.iterations for step in path.solutions)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.local.condensation import SparseCondensation
+from contactdd.local import choose
 
 
 def stack(moduli: list[float], heights: list[float] | None = None) -> cd.Scene:
@@ -32,7 +32,12 @@ def stack(moduli: list[float], heights: list[float] | None = None) -> cd.Scene:
 
 def factors(scene: cd.Scene) -> int:
     """How many factorisations the bodies have between them."""
-    return len({id(problem._inside) for problem in scene.subproblems("condensed")})
+    return len(
+        {
+            id(getattr(problem.condensation, "original", problem.condensation))
+            for problem in scene.local_problems("condensed")
+        }
+    )
 
 
 def test_only_identical_bodies_share():
@@ -45,7 +50,7 @@ def test_only_identical_bodies_share():
 def test_sharing_changes_nothing(method, monkeypatch):
     tolerance = 1e-10 if method == "auto" else 1e-6
     shared = cd.solve(stack([2e5] * 5), method, tolerance=tolerance)
-    monkeypatch.setattr(SparseCondensation, "fits", lambda *arguments: False)
+    monkeypatch.setattr(choose, "originals", lambda bodies: [None] * len(bodies))
     scene = stack([2e5] * 5)
     alone = cd.solve(scene, method, tolerance=tolerance)
     assert factors(scene) == 5

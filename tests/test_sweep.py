@@ -7,9 +7,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.local import assembled as subproblem
-from contactdd.local import condensation as elimination
-from contactdd.local import factor
+from contactdd.local import assembled, condensation, factor
 
 
 @pytest.fixture
@@ -22,7 +20,7 @@ def factorisations(monkeypatch):
             made.append(1)
             super().__init__(*arguments, **options)
 
-    for module in (elimination, subproblem):
+    for module in (condensation, assembled):
         monkeypatch.setattr(module, "Factor", Counted)
     return made
 

@@ -8,6 +8,9 @@ import numpy as np
 
 from .arrays import Floats
 
+#: Coordinates of copies differ by this part of the largest of them: twice their own rounding.
+ROUNDING = 2e-15
+
 
 @dataclass(frozen=True, eq=False)
 class Isometry:
@@ -42,6 +45,18 @@ def reflection(dim: int, axis: int, at: float) -> Isometry:
     """The mirror image in the plane x[axis] = at."""
     across = np.arange(dim) == axis
     return Isometry(np.where(across, -1.0, 1.0), np.where(across, 2.0 * at, 0.0))
+
+
+def isometry_between(x: Floats, y: Floats) -> Isometry | None:
+    """The isometry that takes points x (n, dim) to y (n, dim), one by one, to the rounding of their coordinates."""
+    if x.shape != y.shape:
+        return None
+    rounding = ROUNDING * max(float(np.abs(x).max()), float(np.abs(y).max()))
+    apart, together = y - x, y + x
+    moved = np.ptp(apart, axis=0) <= rounding
+    if not np.all(moved | (np.ptp(together, axis=0) <= rounding)):
+        return None
+    return Isometry(np.where(moved, 1.0, -1.0), np.where(moved, apart[0], together[0]))
 
 
 def turned(tensor: Floats, signs: Floats) -> Floats:

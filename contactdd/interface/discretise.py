@@ -5,22 +5,25 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats
+from ..base.checks import as_floats
 from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
 from ..hard_contact import AugmentedLayer, HardContact
 from ..layer import Layer
+from ..meshless import MeshlessBody
 from ..quadrature import Quadrature, find_quadrature
 from .nodal import LinearFunctions, hats, node_coordinates, side_of_nodes
 from .pairing import Matching, PointPairs, matching, matching_on, pair_by_segments
-from .surface import ContactSurface, Gather
+from .surface import ContactSurface, Gather, PointSurface
 from .trace import normal_trace
 
 
@@ -84,7 +87,13 @@ class Interface:
     @cached_property
     def facet_stiffness(self) -> float:
         """E/h of the softer body's facets, the stiffness of a layer that is as stiff as they are."""
-        return min(float(np.median(side.surface.moduli / side.surface.facet_sizes)) for side in self.sides)
+        meshed = [side.surface for side in self.sides if isinstance(side.surface, ContactSurface)]
+        return min(float(np.median(surface.moduli / surface.facet_sizes)) for surface in meshed)
+
+    @property
+    def unlike(self) -> bool:
+        """Whether two meshes meet that do not match."""
+        return self.facets is None and all(isinstance(side.surface, ContactSurface) for side in self.sides)
 
     @cached_property
     def gap(self) -> Floats:
@@ -129,8 +138,10 @@ def discretise(
 
 def _discretised(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None, split: bool) -> Interface:
     """The interface with the layer that the contact has."""
-    degree = max(body.degree for body, _ in contact.sides)
+    degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
     quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
+    if any(body.mesh is None for body, _ in contact.sides):
+        return _opposite_meshless(contact, bodies, quadrature)
     first, second = _surfaces(contact, quadrature)
     if split or quadrature.of_nodes:
         return _on_segments(contact, bodies, first, second)
@@ -162,12 +173,91 @@ def _discretised(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.i
     )
 
 
+def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Quadrature) -> Interface:
+    """The interface between a meshed surface and a body without a mesh, at the points or nodes of the meshed one."""
+    meshed = next(i for i, (body, _) in enumerate(contact.sides) if body.mesh is not None)
+    (body, surface), (partner, _) = contact.sides[meshed], contact.sides[1 - meshed]
+    own = ContactSurface(body, surface, quadrature)
+    if quadrature.of_nodes:
+        return _nodes_opposite_meshless(contact, bodies, own, partner, meshed)
+    x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
+    trace, measured = _seen_meshless(contact, partner, x, normal)
+    given = PrescribedGap(own.points.x, own.average)
+    points = Gather(np.arange(len(x)), len(x))
+    sides = [
+        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+    ]
+    first, second = sides if meshed == 0 else reversed(sides)
+    return Interface(
+        contact.frozen(),
+        x,
+        normal if meshed == 0 else -normal,
+        weights,
+        measured,
+        given.at(contact.gap),
+        given,
+        (first, second),
+        lambda: LinearFunctions(own, own.points, own.weights, own.average),
+    )
+
+
+def _nodes_opposite_meshless(
+    contact: Contact, bodies: tuple[int, int], own: ContactSurface, partner: MeshlessBody, meshed: int
+) -> Interface:
+    """The same with the values at the nodes of the meshed surface."""
+    facets = np.repeat(np.arange(len(own.facets)), own.per_facet)
+    sampling = own.rule.sampling(own.weights, facets, lambda: hats(own, own.points))
+    values = sampling.mean
+    trace, measured = _seen_meshless(contact, partner, own.points.x, own.points.normal)
+    normal = values @ own.points.normal
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    given = PrescribedGap(own.points.x, values)
+    weights, trace = sampling.weights, (values @ trace).tocsr()
+    points = Gather(np.arange(len(weights)), len(weights))
+    means = _facet_means(own, facets, own.weights, sampling.spread)
+    sides = [
+        InterfaceSide(bodies[meshed], own, (values @ own.trace).tocsr(), means),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+    ]
+    first, second = sides if meshed == 0 else reversed(sides)
+    return Interface(
+        contact.frozen(),
+        node_coordinates(own)[sampling.nodes],
+        normal if meshed == 0 else -normal,
+        weights,
+        values @ measured,
+        given.at(contact.gap),
+        given,
+        (first, second),
+        lambda: LinearFunctions(own, own.points, own.weights, values),
+        gathered=sampling.gathered,
+    )
+
+
+def _seen_meshless(
+    contact: Contact, partner: MeshlessBody, x: Floats, normal: Floats
+) -> tuple[scipy.sparse.csr_matrix, Floats]:
+    """The normal displacement of a body without a mesh at points, as an operator on its unknowns, and its distance."""
+    trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
+    distance = _checked("gap", partner.gap(x, normal), len(x), 1)
+    return trace, contact.measure_gap * without_rounding(distance, np.abs(x).max())
+
+
+def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
+    """What a body without a mesh says of some points, refused unless it is finite numbers for each."""
+    array = as_floats(name, values, f"finite numbers of {points} points")
+    if array.ndim != dimensions or len(array) != points or not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} of shape {array.shape}: expected finite numbers of {points} points")
+    return array
+
+
 def _surfaces(contact: Contact, quadrature: Quadrature) -> tuple[ContactSurface, ContactSurface]:
     """Both surfaces; where they are the same one of copies of a mesh, the second follows from the first."""
     (body, surface), (other, opposite) = contact.sides
     first = ContactSurface(body, surface, quadrature)
-    if surface == opposite and body.degree == other.degree:
-        isometry = other.mesh.isometry_from(body.mesh)
+    if surface == opposite:
+        isometry = other.elements.isometry_from(body.elements)
         if isometry is not None:
             return first, first.copied(other, isometry)
     return first, ContactSurface(other, opposite, quadrature)

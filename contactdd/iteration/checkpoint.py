@@ -119,7 +119,7 @@ def _header(ensemble: Ensemble, method: str) -> dict[str, Any]:
         "format": FORMAT,
         "version": VERSION,
         "method": method,
-        "bodies": [[problem.body.name, problem.size] for problem in ensemble.problems],
+        "bodies": [[problem.name, problem.size] for problem in ensemble.problems],
         "contacts": [[interface.contact.name, len(interface.weights)] for interface in ensemble.interfaces],
     }
 

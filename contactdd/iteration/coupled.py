@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ..base.arrays import Floats
 from ..base.sparse import product_map
 from ..local.factor import Factor
+from ..local.remote import as_matrix
 from ..system.ensemble import Ensemble
 
 
@@ -24,11 +25,11 @@ class CoupledSystem:
 
     def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
         self.body_solves += len(self._ensemble.problems)  # each body takes part once
-        ground = self._ensemble.rigid.ground(phi, residual, scale)
+        fixed = self._ensemble.rigid.fixing_dofs(phi, residual, scale)
         weights = self._ensemble.weights * self._ensemble.at_all_points(phi)
-        return (self._solve_dense if self._ensemble.dense else self._solve_sparse)(weights, residual, ground)
+        return (self._solve_dense if self._ensemble.dense else self._solve_sparse)(weights, residual, fixed)
 
-    def _solve_dense(self, weights: Floats, rhs: Floats, ground: NDArray[np.intp]) -> Floats:
+    def _solve_dense(self, weights: Floats, rhs: Floats, fixed: NDArray[np.intp]) -> Floats:
         # BLAS and LAPACK count by columns and need one triangle only.
         matrix = self._ensemble.stiffness.copy().T
         closing = self._ensemble.closing
@@ -38,22 +39,22 @@ class CoupledSystem:
         else:
             places, entries = self._map
             matrix.T.ravel()[places] += entries @ weights
-        matrix[ground, ground] += self._ensemble.rigid.largest
+        matrix[fixed, fixed] += self._ensemble.rigid.stiffness_scale
         _, solution, info = scipy.linalg.lapack.dposv(matrix, rhs, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError("the coupled system is not positive definite")
         return solution
 
-    def _solve_sparse(self, weights: Floats, rhs: Floats, ground: NDArray[np.intp]) -> Floats:
+    def _solve_sparse(self, weights: Floats, rhs: Floats, fixed: NDArray[np.intp]) -> Floats:
         held, closing = np.zeros(len(rhs)), self._ensemble.closing
-        held[ground] = self._ensemble.rigid.largest
+        held[fixed] = self._ensemble.rigid.stiffness_scale
         contacts = closing.T @ scipy.sparse.diags(weights) @ closing
         return Factor((self._stiffness + scipy.sparse.diags(held) + contacts).tocsr()).solve(rhs)
 
     @cached_property
     def _stiffness(self) -> scipy.sparse.csr_matrix:
         """The stiffness of all bodies."""
-        blocks = [scipy.sparse.csr_matrix(problem.stiffness) for problem in self._ensemble.problems]
+        blocks = [scipy.sparse.csr_matrix(as_matrix(problem.stiffness)) for problem in self._ensemble.problems]
         return scipy.sparse.block_diag(blocks, format="csr")
 
     @cached_property

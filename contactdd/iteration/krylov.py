@@ -32,13 +32,13 @@ class Krylov:
 
     def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
         rigid = self._ensemble.rigid
-        rigid.ground(phi, residual, scale)  # only its check
+        rigid.fixing_dofs(phi, residual, scale)  # only its check
         # Rounding alone works on the motions that nothing resists: out of the forces with it, and out of the steps.
         idle = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]
         rhs = residual - idle @ (idle.T @ residual)
         coarse = self._coarse_space(phi)
         image = self._ensemble.tangent(phi, coarse)
-        inverse = _pseudo_inverse(coarse.T @ image, rigid.largest)
+        inverse = _pseudo_inverse(coarse.T @ image, rigid.stiffness_scale)
         held = self._held(phi)
 
         def precondition(vector: Floats) -> Floats:
@@ -63,7 +63,7 @@ class Krylov:
         held = {}
 
         def make(place: int) -> None:
-            held[place] = self._ensemble.problems[place].held(phi)
+            held[place] = self._ensemble.problems[place].robin_solver(phi)
 
         self._ranks.each(make)
         return held

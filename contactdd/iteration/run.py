@@ -51,8 +51,8 @@ class Run:
         if self.anderson is not None:
             self.anderson.memory = memory
         self._ranks, self._linear = ranks, linear
-        self._size = max(problem.body.mesh.size for problem in ensemble.problems)
-        stiffest = ensemble.rigid.largest  # and the φ that is as stiff as that
+        self._size = max(problem.length for problem in ensemble.problems)
+        stiffest = ensemble.rigid.stiffness_scale  # and the φ that is as stiff as that
         self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
         self._first_force = 0.0
         self._at_nodes = False

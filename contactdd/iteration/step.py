@@ -8,7 +8,6 @@ from typing import Protocol
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
-from ..local.multigrid import MultigridProblem
 from ..scheme import Scheme
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
@@ -45,7 +44,7 @@ def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
     if scheme.step == "decomposed":
         return Decomposed(ensemble, ranks)
     entries = sum(problem.size**2 for problem in problems)
-    small = entries <= LARGEST_DIRECT**2 and not any(isinstance(p, MultigridProblem) for p in problems)
+    small = entries <= LARGEST_DIRECT**2 and not any(problem.factor_free for problem in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {ensemble.size} unknowns factored" if scheme.step == "auto" else ""
         return CoupledSystem(ensemble, note)

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from ..base import compat
 from ..base.arrays import Floats, Indices
-from ..base.isometry import turned
 
 if TYPE_CHECKING:
     from ..body import Body
@@ -46,7 +45,7 @@ class ReferenceIntegrals:
 class AffineCells:
     """A body of affine cells and one material, its stiffness cell by cell.
 
-    jacobians: (cells, dim, dim) J; reach: the largest coordinate; material: (dim, dim, dim, dim) C_ambn; nodes: (cells,
+    jacobians: (cells, dim, dim) J; material: (dim, dim, dim, dim) C_ambn; nodes: (cells,
     nodes) of the body's space; inner, outer: those of the reference cell that lie inside of it, and on its boundary;
     integrals: over the reference cell.
     """
@@ -58,7 +57,6 @@ class AffineCells:
         element = body.space.ufl_element()
         self.dim = body.mesh.dim
         self.jacobians, self.material = _jacobians(body.mesh), body.kinematics.tensor(body.material.stiffness())
-        self.reach = float(np.abs(body.mesh.domain.geometry.x).max())
         self.nodes = body.space.dofmap.list
         self.inner, self.outer = _inner_and_outer(element)
         self.integrals = _reference_integrals(element)
@@ -103,20 +101,6 @@ class AffineCells:
         """The body's degrees of freedom at some nodes of every cell, (cells, dim · nodes), in the order of `block`."""
         at = self.dim * self.nodes[:, None, nodes] + np.arange(self.dim, dtype=np.int32)[:, None]
         return at.reshape(len(at), -1)
-
-    def image_signs(self, other: AffineCells) -> Floats | None:
-        """The ±1 by which each displacement component of `other` turns that body into this one, None if none do.
-
-        A moved copy has all 1; a mirror image has −1 across the mirror. Both have to be numbered alike.
-        """
-        if self.jacobians.shape != other.jacobians.shape or not np.array_equal(self.nodes, other.nodes):
-            return None
-        here, there = self.jacobians, other.jacobians
-        signs = np.where(np.sum(here * there, axis=(0, 2)) < 0.0, -1.0, 1.0)
-        material = turned(other.material, signs)
-        # Copies differ by the rounding of their coordinates.
-        same = np.abs(here - signs[:, None] * there).max() <= 2e-15 * max(self.reach, other.reach)
-        return signs if same and np.abs(self.material - material).max() <= 1e-14 * np.abs(material).max() else None
 
 
 def affine_cells(body: Body) -> AffineCells | None:

@@ -7,7 +7,6 @@ one of them. `MirroredCondensation` takes over the condensation of a body of whi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cached_property
 from typing import Protocol
 
@@ -26,15 +25,15 @@ class Condensation(Protocol):
     """A body's stiffness K with its unknowns parted into those that are kept, c, and those that are eliminated, e."""
 
     @property
-    def complement(self) -> Floats:
+    def schur_complement(self) -> Floats:
         """S = K_cc − K_ce K_ee⁻¹ K_ec, dense (kept, kept)."""
         ...
 
-    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+    def condense_load(self, forces: Floats) -> tuple[Floats, float]:
         """f_c − K_ce K_ee⁻¹ f_e, what forces on all unknowns are on the kept ones, and their work f_e · K_ee⁻¹ f_e."""
         ...
 
-    def extended(self, kept: Floats, forces: Floats) -> Floats:
+    def recover(self, kept: Floats, forces: Floats) -> Floats:
         """All unknowns: the kept ones as given, the others in equilibrium with them and with the forces."""
         ...
 
@@ -47,14 +46,14 @@ class SparseCondensation:
         self._factor = Factor(matrix, kept) if comm.size == 1 else SpreadFactor(matrix, kept, comm)
 
     @property
-    def complement(self) -> Floats:
-        return self._factor.complement
+    def schur_complement(self) -> Floats:
+        return self._factor.schur_complement
 
-    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+    def condense_load(self, forces: Floats) -> tuple[Floats, float]:
         response = self._response(forces)
         return (forces - self._matrix @ response)[self._kept], float(response @ forces)
 
-    def extended(self, kept: Floats, forces: Floats) -> Floats:
+    def recover(self, kept: Floats, forces: Floats) -> Floats:
         y = np.zeros(len(forces))
         y[self._kept] = kept
         return y + self._response(forces - self._matrix @ y)
@@ -67,19 +66,6 @@ class SparseCondensation:
         response[self._kept] = 0.0
         return response
 
-    def fits(self, matrix: scipy.sparse.csr_matrix, kept: Indices) -> bool:
-        """Whether this is the elimination, to rounding, of another matrix too."""
-        own = self._matrix
-        if own.shape != matrix.shape or own.nnz != matrix.nnz or not np.array_equal(self._kept, kept):
-            return False
-        # Bodies that are moved copies differ by the rounding of their coordinates.
-        rounding = 1e-12 * float(own.diagonal().max(initial=0.0))
-        if abs(own.data[0] - matrix.data[0]) > rounding:  # most that differ do so at once
-            return False
-        matrix.sort_indices()
-        alike = np.array_equal(own.indptr, matrix.indptr) and np.array_equal(own.indices, matrix.indices)
-        return alike and bool(np.abs(own.data - matrix.data).max(initial=0.0) <= rounding)
-
 
 class DenseCondensation:
     """A small dense matrix whose last unknowns are kept, by LAPACK: MUMPS has more to do before it begins."""
@@ -88,13 +74,13 @@ class DenseCondensation:
         self._size = size = len(matrix) - kept
         self._lower = _cholesky(matrix[:size, :size].T)
         self._half = scipy.linalg.blas.dtrsm(1.0, self._lower, matrix[size:, :size].T, lower=1)  # L⁻¹ K_ec, K_ee = L Lᵀ
-        self.complement = matrix[size:, size:] - self._half.T @ self._half
+        self.schur_complement = matrix[size:, size:] - self._half.T @ self._half
 
-    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+    def condense_load(self, forces: Floats) -> tuple[Floats, float]:
         half = self._triangular(forces[: self._size])
         return forces[self._size :] - half @ self._half, float(half @ half)
 
-    def extended(self, kept: Floats, forces: Floats) -> Floats:
+    def recover(self, kept: Floats, forces: Floats) -> Floats:
         half = self._triangular(forces[: self._size]) - self._half @ kept
         return np.concatenate([self._triangular(half, transposed=True), kept])
 
@@ -134,17 +120,17 @@ class ElementCondensation:
             self._rest = SparseCondensation(_sparse_sum(blocks, self._gather), number[kept])
 
     @property
-    def complement(self) -> Floats:
-        return self._rest.complement
+    def schur_complement(self) -> Floats:
+        return self._rest.schur_complement
 
-    def reduced(self, forces: Floats) -> tuple[Floats, float]:
+    def condense_load(self, forces: Floats) -> tuple[Floats, float]:
         on_skeleton, work = self._onto_skeleton(forces)
-        reduced, rest = self._rest.reduced(on_skeleton)
+        reduced, rest = self._rest.condense_load(on_skeleton)
         return reduced, work + rest
 
-    def extended(self, kept: Floats, forces: Floats) -> Floats:
+    def recover(self, kept: Floats, forces: Floats) -> Floats:
         y = np.empty(len(forces))
-        y[self._skeleton] = self._rest.extended(kept, self._onto_skeleton(forces)[0])
+        y[self._skeleton] = self._rest.recover(kept, self._onto_skeleton(forces)[0])
         around = (self._gather @ y[self._skeleton]).reshape(len(self._inner), -1, 1)
         inner = forces[self._inner][:, :, None]
         for part in self.cells.parts():
@@ -194,15 +180,15 @@ class MirroredCondensation:
         self.original, self._signs, self._kept = original, signs, signs[kept]
 
     @property
-    def complement(self) -> Floats:
-        return self._kept[:, None] * self.original.complement * self._kept
+    def schur_complement(self) -> Floats:
+        return self._kept[:, None] * self.original.schur_complement * self._kept
 
-    def reduced(self, forces: Floats) -> tuple[Floats, float]:
-        reduced, work = self.original.reduced(self._signs * forces)
+    def condense_load(self, forces: Floats) -> tuple[Floats, float]:
+        reduced, work = self.original.condense_load(self._signs * forces)
         return self._kept * reduced, work
 
-    def extended(self, kept: Floats, forces: Floats) -> Floats:
-        return self._signs * self.original.extended(self._kept * kept, self._signs * forces)
+    def recover(self, kept: Floats, forces: Floats) -> Floats:
+        return self._signs * self.original.recover(self._kept * kept, self._signs * forces)
 
 
 def _cholesky(matrix: Floats) -> Floats:
@@ -216,31 +202,6 @@ def _cholesky(matrix: Floats) -> Floats:
 def _half(matrix: Floats, coupling: Floats) -> Floats:
     """C L⁻ᵀ, whose product with its transpose is C K⁻¹ Cᵀ, from K = L Lᵀ and C, both column by column."""
     return scipy.linalg.blas.dtrsm(1.0, _cholesky(matrix), coupling, side=1, lower=1, trans_a=1)
-
-
-def condense_by_elements(
-    cells: AffineCells, space: AdmissibleSpace, kept: Indices, others: Sequence[Condensation]
-) -> Condensation:
-    """The cellwise elimination of a body, or the image of another body's of which it is a copy."""
-    for other in others:
-        alike = isinstance(other, ElementCondensation) and np.array_equal(other.kept, kept)
-        if alike and np.array_equal(other.space.free, space.free):
-            signs = cells.image_signs(other.cells)
-            if signs is not None:
-                return MirroredCondensation(other, signs[space.free % cells.dim], kept)
-    return ElementCondensation(cells, space, kept)
-
-
-def condense_sparse(
-    matrix: scipy.sparse.csr_matrix, kept: Indices, comm: MPI.Comm, others: Sequence[Condensation]
-) -> Condensation:
-    """The elimination of a matrix, or another body's if it is the same."""
-    same = (
-        other
-        for other in others
-        if isinstance(other, SparseCondensation) and comm.size == 1 and other.fits(matrix, kept)
-    )
-    return next(same, None) or SparseCondensation(matrix, kept, comm)
 
 
 def _sparse_sum(blocks: Floats, gather: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:

@@ -1,11 +1,13 @@
-"""Bodies that are copies of each other: on moved or mirrored copies of one mesh, of the same material, held alike.
+"""Bodies that are copies of each other, moved or mirrored, of the same material and held alike: decided here alone.
 
-What one of them is eliminated to, the others are too, but for the signs of the mirrored components.
+The condensed stiffness of one is that of the others up to the signs of mirrored components, and so is all that follows
+from it: assembly, condensation, contact surfaces.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,29 +20,38 @@ from ..parameter import current
 from ..support import Fixed, Symmetry
 
 
-def originals(bodies: Sequence[Body]) -> list[tuple[int, Floats] | None]:
-    """Of every body the place of the first one that it is a copy of, with the signs of `signs_between`, or None."""
+def originals(bodies: Sequence[Any]) -> list[tuple[int, Floats] | None]:
+    """Of every body the index of the first one that it copies, with the signs of `signs_between`; None if of none."""
     found: list[tuple[int, Floats] | None] = []
-    firsts: dict[int, list[int]] = {}
-    for place, body in enumerate(bodies):
-        alike = firsts.setdefault(id(body.mesh.surfaces), [])
+    firsts: dict[Hashable, list[int]] = {}
+    for index, body in enumerate(bodies):
+        alike = firsts.setdefault(_likeness(body) if isinstance(body, Body) else id(body), [])
         pairs = ((first, signs_between(bodies[first], body)) for first in alike)
         found.append(next(((first, signs) for first, signs in pairs if signs is not None), None))
         if found[-1] is None:
-            alike.append(place)
+            alike.append(index)
     return found
 
 
-def signs_between(original: Body, body: Body) -> Floats | None:
-    """The ±1 by which the components of the one's displacements, numbered alike, are the other's; None for no copies.
+def _likeness(body: Body) -> Hashable:
+    """What copies have in common and is found at once."""
+    mesh, material = body.mesh, body.material
+    constants = material if isinstance(material, Isotropic) and not material.varies else id(material)
+    cells = mesh.domain.topology.cell_name(), mesh.cells, len(mesh.domain.geometry.x)
+    plain = all(isinstance(support, Fixed | Symmetry) for support in body.supports)
+    return body.degree, body.kinematics, constants, cells, body.supports if plain else id(body)
 
-    Loads may differ. Shape (dim,): −1 where the body is mirrored.
+
+def signs_between(original: Body, body: Body) -> Floats | None:
+    """Signs (±1 per component) relating the displacements of a copy to its original, (dim,); None if it is no copy.
+
+    Loads may differ. −1 stands where the body is mirrored.
     """
-    isometry = body.mesh.isometry_from(original.mesh)
-    if isometry is None:
-        return None
-    same = (original.degree, original.kinematics, original.material) == (body.degree, body.kinematics, body.material)
+    same = (original.material, original.kinematics) == (body.material, body.kinematics)
     if not same or body.kinematics.ring or body.material.varies or not _held_alike(original, body):
+        return None
+    isometry = body.elements.isometry_from(original.elements)
+    if isometry is None:
         return None
     unchanged = isinstance(body.material, Isotropic) or _unchanged(body, isometry.signs)
     return isometry.signs if unchanged else None

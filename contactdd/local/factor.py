@@ -17,7 +17,7 @@ from ..base.arrays import Floats
 class Factor:
     """The Cholesky factorisation of a symmetric positive definite matrix, refreshed for new values at its places.
 
-    With `schur`, the indices c of some unknowns, only the others (i) are eliminated: `complement` is
+    With `schur`, the indices c of some unknowns, only the others (i) are eliminated: `schur_complement` is
     S = K_cc − K_ci K_ii⁻¹ K_ic, and `solve` works on the inner system K_ii x_i = b_i.
     """
 
@@ -60,7 +60,7 @@ class Factor:
         return self._solution.array.copy()
 
     @property
-    def complement(self) -> Floats:
+    def schur_complement(self) -> Floats:
         """The Schur complement, dense (c, c)."""
         if self._nothing_to_do:
             return scipy.sparse.csr_matrix(self._csr[::-1], shape=(self._size, self._size)).toarray()
@@ -122,7 +122,7 @@ class SpreadFactor:
         return solution
 
     @property
-    def complement(self) -> Floats:
+    def schur_complement(self) -> Floats:
         """The Schur complement, dense (c, c), the same on every rank."""
         eliminated = np.empty_like(self._kept_block)
         local, total = self._last - self._first, len(self._inner)

@@ -51,7 +51,7 @@ def _one_load(body: Body, load: Load) -> Floats:
     """The vector of one load, that of a constant pressure by the form that all such share."""
     value = current(load.value) if isinstance(load, Pressure) else None
     if not np.isscalar(value):
-        return fem.assemble_vector(compat.form(load.form(body, ufl.TestFunction(body.space)))).array
+        return fem.assemble_vector(compat.form(load.form(body.elements, ufl.TestFunction(body.space)))).array
     shared = _pressure(*_elements(body), body.kinematics.name)
     facets = body.mesh.entities(load.surface).ravel()
     return fem.assemble_vector(shared.on(body, finite("pressure", value), facets)).array

@@ -41,7 +41,7 @@ def refuse_if_too_large(body: Body) -> None:
 
 def _is_small(body: Body) -> bool:
     """Whether a body is too small to ask for the memory; mostly its cells tell, before it has a space."""
-    return body.mesh.cells * body.element.dim <= ALWAYS_FACTORED or body.dofs <= ALWAYS_FACTORED
+    return body.mesh.cells * body.elements.element.dim <= ALWAYS_FACTORED or body.dofs <= ALWAYS_FACTORED
 
 
 def factor_bytes(dim: int, unknowns: int) -> float:

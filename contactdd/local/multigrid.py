@@ -2,92 +2,155 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
-from ..base.arrays import Floats
-from .assembled import AssembledProblem
-from .problem import ContactTrace, Solver
-from .rigid import select_fixing_dofs
+from ..base.arrays import Floats, Indices, Operator
+from .discrete import DiscreteBody
+from .problem import ContactTrace, Fields, Solver, contact_traces, free_fixing_dofs, nodal_operator, rigid_motions
+from .rigid import RigidMotions
+from .task import LocalTask
+
+#: How many times stiffer than the body's surface the Robin term is that holds a start at given displacements.
+STIFF_START = 1e3
 
 
-class MultigridProblem(AssembledProblem):
-    """The same problem in all free displacements; nothing is factored, memory grows with the unknowns.
+class MultigridProblem:
+    """A + Φ in all free displacements; nothing is factored, memory grows with the unknowns."""
 
-    PETSc's GAMG with the rigid motions as near-null space is the preconditioner. It belongs to the coefficient φ of the
-    step for which it was set up and is made anew only when φ as a whole has become something else.
+    factor_free = True
+
+    def __init__(self, task: LocalTask) -> None:
+        self.name, self.length = task.body.name, task.body.mesh.size
+        self.dofs = task.discrete
+        matrix = self.dofs.stiffness.reduced
+        self.stiffness: Operator = task.collective(matrix)
+        self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
+        largest = float(matrix.diagonal().max(initial=0.0))
+        motions = *self.dofs.motions, self.dofs.spring_forces
+        self.rigid = rigid_motions(self.name, task.body.kinematics, self.traces, *motions, largest)
+        self._robin = _RobinSystem(self.dofs, matrix, self.traces, self.rigid)
+
+    def refreshed(self, dofs: Any) -> MultigridProblem:
+        other = copy(self)
+        other.dofs = dofs
+        other.traces = [replace(t, offset=dofs.space.prescribed(t.side.trace)) for t in self.traces]
+        return other
+
+    @property
+    def load(self) -> Floats:
+        return self.dofs.free_load
+
+    @property
+    def constant(self) -> float:
+        return self.dofs.constant
+
+    @property
+    def size(self) -> int:
+        return len(self.dofs.free_load)
+
+    @property
+    def nodal_trace(self) -> scipy.sparse.csr_matrix:
+        return self.dofs.space.columns(nodal_operator(self.traces))
+
+    @property
+    def nodal_offset(self) -> Floats:
+        return self.dofs.space.prescribed(nodal_operator(self.traces))
+
+    def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
+        return self._robin.solve(phi, residual, self.rigid.fixing_dofs(phi, residual, scale))
+
+    def robin_solver(self, phi: Mapping[int, Floats]) -> Solver:
+        """One multigrid cycle: symmetric and linear, as a preconditioner has to be."""
+        return self._robin.multigrid(phi).cycle
+
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        return np.zeros((self.size, 0))
+
+    def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
+        """Unknowns near the given u_n: held there by a Robin term a thousand times stiffer than the body's surface."""
+        stiff, rhs = {}, self.load.copy()
+        for trace in self.traces:
+            surface, given = trace.side.surface, normal_displacement[trace.interface]
+            area = float(surface.weights.sum())
+            stiff[trace.interface] = np.full(len(given), STIFF_START * self.rigid.stiffness_scale / area)
+            rhs += trace.robin_trace.T @ (surface.weights * (trace.side.transfer @ (given * stiff[trace.interface])))
+        return self._robin.solve(stiff, rhs, np.zeros(0, dtype=np.intp))
+
+    def restrict(self, u: Floats) -> Floats:
+        return self.dofs.restrict(u)
+
+    def displacement(self, y: Floats) -> Floats:
+        return self.dofs.displacement(y)
+
+    def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
+        return operator @ self.dofs.displacement(y)
+
+    def fields(self, y: Floats, deformation: Floats) -> Fields:
+        return self.dofs.fields(self.displacement(y), self.displacement(deformation))
+
+
+@dataclass
+class _RobinSystem:
+    """A + Φ by conjugate gradients. PETSc's GAMG with the rigid motions as near-null space is the preconditioner.
+
+    It belongs to the coefficient φ for which it was set up and is made anew only when φ as a whole has become something
+    else.
     """
+
+    dofs: DiscreteBody
+    matrix: scipy.sparse.csr_matrix
+    traces: Sequence[ContactTrace]
+    rigid: RigidMotions
+    _made_for: float | None = field(default=None, init=False)
+    _multigrid: Multigrid | None = field(default=None, init=False)
 
     #: By how much the total Robin stiffness may change before the multigrid is set up again.
     DRIFT = 4.0
     #: The relative accuracy of a body's own solve: below what the outer iterations ask for.
     ACCURACY = 1e-12
+    #: Iterations after which a body's own solve has failed.
+    MOST = 2000
 
-    #: The total Robin stiffness that the present multigrid was set up for.
-    _made_for: float | None = None
-
-    def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
-        """Unknowns near the given u_n: held there by a Robin term a thousand times stiffer than the body's surface."""
-        stiff = {}
-        for port in self.ports:
-            area = float(port.side.surface.weights.sum())
-            stiff[port.interface] = np.full(len(normal_displacement[port.interface]), 1e3 * self.rigid.largest / area)
-        rhs = self.load.copy()
-        for port in self.ports:
-            own = port.side.transfer @ (normal_displacement[port.interface] * stiff[port.interface])
-            rhs += port.robin_trace.T @ (port.side.surface.weights * own)
-        return self._solver(stiff, np.zeros(0, dtype=np.intp))(rhs)
-
-    def held(self, phi: Mapping[int, Floats]) -> Solver:
-        """One multigrid cycle: symmetric and linear, as a preconditioner has to be."""
-        self._set_up(phi)
-        return self._multigrid.cycle
-
-    def _solver(self, phi: Mapping[int, Floats], ground: NDArray[np.intp]) -> Solver:
-        self._set_up(phi)
-        return lambda forces: self._iterate(phi, forces, ground)
-
-    def _iterate(self, phi: Mapping[int, Floats], forces: Floats, ground: NDArray[np.intp]) -> Floats:
-        """(A + Φ)⁻¹ times forces with these unknowns held, by conjugate gradients."""
-        held = np.zeros(self.size)
-        held[ground] = self.rigid.largest
-        terms = [(port.robin_trace, self._weights(port, phi)) for port in self.ports]
+    def solve(self, phi: Mapping[int, Floats], forces: Floats, fixed: Indices) -> Floats:
+        """(A + Φ)⁻¹ times forces with these unknowns fixed."""
+        held = np.zeros(len(forces))
+        held[fixed] = self.rigid.stiffness_scale
+        terms = [(trace.robin_trace, trace.surface_stiffness(phi)) for trace in self.traces]
 
         def apply(y: Floats) -> Floats:
-            return self.stiffness @ y + held * y + sum(trace.T @ (w * (trace @ y)) for trace, w in terms)
+            return self.matrix @ y + held * y + sum(trace.T @ (w * (trace @ y)) for trace, w in terms)
 
-        shape = (self.size, self.size)
         solution, failed = scipy.sparse.linalg.cg(
-            scipy.sparse.linalg.LinearOperator(shape, apply, dtype=float),
+            scipy.sparse.linalg.LinearOperator(self.matrix.shape, apply, dtype=float),
             forces,
             rtol=self.ACCURACY,
-            maxiter=2000,
-            M=scipy.sparse.linalg.LinearOperator(shape, self._multigrid.cycle, dtype=float),
+            maxiter=self.MOST,
+            M=scipy.sparse.linalg.LinearOperator(self.matrix.shape, self.multigrid(phi).cycle, dtype=float),
         )
         if failed:
-            raise np.linalg.LinAlgError(f"body {self.body.name!r}: the multigrid iterations do not converge")
+            raise np.linalg.LinAlgError(f"body {self.dofs.body.name!r}: the multigrid iterations do not converge")
         return solution
 
-    def _weights(self, port: ContactTrace, phi: Mapping[int, Floats]) -> Floats:
-        """φ times the areas at the integration points of the body's own surface."""
-        return port.side.surface.weights * (port.side.transfer @ phi[port.interface])
-
-    def _set_up(self, phi: Mapping[int, Floats]) -> None:
-        """Make the multigrid for A + Φ unless the present one is near enough."""
-        total = sum(float(self._weights(port, phi).sum()) for port in self.ports)
-        if self._made_for is not None and self._made_for / self.DRIFT <= total <= self._made_for * self.DRIFT:
-            return
-        self._made_for = total
-        matrix = self.stiffness
-        for port in self.ports:
-            matrix = matrix + port.robin_trace.T @ scipy.sparse.diags(self._weights(port, phi)) @ port.robin_trace
-        held = np.zeros(self.size)
-        held[select_fixing_dofs(self.rigid.modes @ self.rigid.free(phi))] = self.rigid.largest
-        self._multigrid = Multigrid(self, (matrix + scipy.sparse.diags(held)).tocsr())
+    def multigrid(self, phi: Mapping[int, Floats]) -> Multigrid:
+        """The multigrid for A + Φ, or one that is near enough."""
+        total = sum(float(trace.surface_stiffness(phi).sum()) for trace in self.traces)
+        near = self._made_for is not None and self._made_for / self.DRIFT <= total <= self._made_for * self.DRIFT
+        if self._multigrid is None or not near:
+            matrix, held = self.matrix, np.zeros(self.matrix.shape[0])
+            for trace in self.traces:
+                stiffness = scipy.sparse.diags(trace.surface_stiffness(phi))
+                matrix = matrix + trace.robin_trace.T @ stiffness @ trace.robin_trace
+            held[free_fixing_dofs(self.rigid, phi)] = self.rigid.stiffness_scale
+            matrix = (matrix + scipy.sparse.diags(held)).tocsr()
+            self._made_for, self._multigrid = total, Multigrid(self.dofs, matrix, self.rigid.stiffness_scale)
+        return self._multigrid
 
 
 class Multigrid:
@@ -97,18 +160,18 @@ class Multigrid:
     all its components, as the aggregation of nodes wants.
     """
 
-    def __init__(self, problem: AssembledProblem, matrix: scipy.sparse.csr_matrix) -> None:
-        self._basis, dim = problem.space.basis, problem.body.mesh.dim
-        self._nothing_to_do = problem.size == 0  # all is held: GAMG would get a matrix of zeros, and crash
+    def __init__(self, dofs: DiscreteBody, matrix: scipy.sparse.csr_matrix, stiffness_scale: float) -> None:
+        self._basis, dim = dofs.space.basis, dofs.body.mesh.dim
+        self._nothing_to_do = dofs.space.size == 0  # all is held: GAMG would get a matrix of zeros, and crash
         if self._nothing_to_do:
             return
         outside = scipy.sparse.eye(self._basis.shape[0], format="csr") - self._basis @ self._basis.T
-        full = (self._basis @ matrix @ self._basis.T + problem.rigid.largest * outside).tocsr()
+        full = (self._basis @ matrix @ self._basis.T + stiffness_scale * outside).tocsr()
         full.sort_indices()
         arrays = (full.indptr.astype(PETSc.IntType), full.indices.astype(PETSc.IntType), full.data)
         self._matrix = PETSc.Mat().createAIJ(full.shape, bsize=dim, csr=arrays, comm=PETSc.COMM_SELF)
         self._matrix.setOption(PETSc.Mat.Option.SPD, True)
-        orthonormal = np.linalg.qr(problem.body.rigid_modes())[0]
+        orthonormal = np.linalg.qr(dofs.body.rigid_modes())[0]
         vectors = [PETSc.Vec().createWithArray(column.copy(), comm=PETSc.COMM_SELF) for column in orthonormal.T]
         self._matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=vectors, comm=PETSc.COMM_SELF))
         self._pc = PETSc.PC().create(PETSc.COMM_SELF)

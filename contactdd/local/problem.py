@@ -1,33 +1,42 @@
-"""What a local problem is: how one body is solved, seen from its contacts."""
+"""What a local problem is: how one body is solved, seen from its contacts, independently of all others.
+
+    a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n    (22), (32), (36)
+
+A local problem works with some vector of unknowns y of its body and hides which: all free displacements (`assembled`,
+`multigrid`), those that the contacts touch (`condensed`), the motions of a rigid body, or what a user's own way of
+solving a body needs. Implementations are independent of each other and share parts: the body in all its degrees of
+freedom (`BodyDofs`, of meshes `discrete.DiscreteBody`) and dense algebra (`dense.DenseSystem`).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+import scipy
 
-from ..base.arrays import Floats, Operator
-from ..interface.discretise import Interface, InterfaceSide
+from ..base.arrays import Floats, Indices, Operator
+from ..interface.discretise import InterfaceSide
+from ..kinematics import Kinematics
+from .rigid import Owner, Resistance, RigidMotions, select_fixing_dofs
 from .space import AdmissibleSpace
 
 #: From forces (unknowns,) to the unknowns that they cause (unknowns,).
 Solver = Callable[[Floats], Floats]
 
 
-#: What other ranks need to know of a condensed problem: the kept unknowns, S, the load on them, the constant of the
-#: energy, the load on all degrees of freedom, and the rigid motions with their coefficients and springs.
-Shared = tuple[NDArray[np.intp], Floats, Floats, float, Floats, tuple[Floats, Floats, Floats]]
-
-
 @dataclass(frozen=True)
 class ContactTrace:
-    """Where one interface meets the unknowns of a body.
+    """How one interface acts on the unknowns of a body: u_n at its points is trace @ y + offset.
 
-    interface: its place in the scene; side: the body's side of it; trace (points, unknowns), offset (points,): u_n at
-    its points is trace @ y + offset; robin_trace: u_n of the unknowns at the integration points of the body's own
-    surface.
+    Attributes:
+        interface: The interface's index in the scene.
+        side: The body's side of it.
+        trace: (points, unknowns).
+        offset: (points,) u_n of the prescribed displacements (length).
+        robin_trace: (own points, unknowns) u_n at the integration points of the body's own surface.
     """
 
     interface: int
@@ -36,13 +45,20 @@ class ContactTrace:
     offset: Floats
     robin_trace: Operator
 
+    def surface_stiffness(self, phi: Mapping[int, Floats]) -> Floats:
+        """φ times the areas at the integration points of the body's own surface."""
+        return self.side.surface.weights * (self.side.transfer @ phi[self.interface])
+
 
 @dataclass(frozen=True)
 class Fields:
     """A body's solution in all degrees of freedom.
 
-    displacement: (dofs,); elastic_forces: (dofs,) a(u, ·), of the deformation only, see `start.State`; spring_forces:
-    (dofs,) those of elastic foundations; elastic_energy: ½ a(u, u).
+    Attributes:
+        displacement: (dofs,) u (length).
+        elastic_forces: (dofs,) a(u, ·), of the deformation only, see `system.state.State`.
+        spring_forces: (dofs,) those of elastic foundations.
+        elastic_energy: ½ a(u, u).
     """
 
     displacement: Floats
@@ -51,20 +67,175 @@ class Fields:
     elastic_energy: float
 
 
-def sides(place: int, interfaces: Sequence[Interface]) -> list[tuple[int, InterfaceSide]]:
-    """The sides of interfaces at which the body at a place of the scene lies, each with its interface's place."""
-    return [
-        (index, side) for index, interface in enumerate(interfaces) for side in interface.sides if side.body == place
-    ]
+class BodyDofs(Protocol):
+    """A body in all its degrees of freedom: nodal displacements of a mesh, or the motions of a rigid body.
+
+    Attributes:
+        load: (dofs,) l(v).
+        prescribed: Whether any displacement other than zero is prescribed.
+    """
+
+    load: Floats
+
+    @property
+    def prescribed(self) -> bool:
+        """Whether any displacement other than zero is prescribed."""
+        ...
+
+    @property
+    def load_size(self) -> float:
+        """The size of the sum of all nodal loads, radial ones of a body of revolution included."""
+        ...
+
+    def free_forces(self, forces: Floats) -> Floats:
+        """The part of forces (dofs,) that works on admissible displacements, in these."""
+        ...
+
+    def reactions(self, forces: Floats) -> Floats:
+        """The part of forces (dofs,) that the supports take, (dofs,)."""
+        ...
+
+    def resultant(self, forces: Floats) -> Floats:
+        """The total force (dim,) of forces (dofs,)."""
+        ...
+
+    def rigid_displacements(self, coefficients: Floats) -> Floats:
+        """The displacements (dofs, n) of rigid motions given by coefficients (motions, n)."""
+        ...
+
+    def carried(self) -> Floats:
+        """The displacement (dofs,) of the rigid motion that the prescribed displacements carry the body along with."""
+        ...
+
+
+class LocalProblem(Protocol):
+    """How one body is solved. What every local solver makes, and all that the rest of the package knows of a body.
+
+    Attributes:
+        name: The body's name.
+        length: Its size (length), with which displacements are compared; 0 where it has none.
+        dofs: The body in all its degrees of freedom.
+        traces: How the contacts act on the unknowns.
+        load: (unknowns,) the loads less what prescribed displacements cause.
+        constant: The part of the energy F₁ that depends on no unknown.
+        stiffness: (unknowns, unknowns) a(u, v) in the unknowns.
+        rigid: The rigid motions that the supports leave.
+        factor_free: Whether the body is too large to factor its stiffness.
+    """
+
+    name: str
+    length: float
+    dofs: BodyDofs
+    traces: Sequence[ContactTrace]
+    load: Floats
+    constant: float
+    stiffness: Operator
+    rigid: RigidMotions
+    factor_free: bool
+
+    @property
+    def size(self) -> int:
+        """The number of unknowns."""
+        ...
+
+    @property
+    def nodal_trace(self) -> scipy.sparse.csr_matrix:
+        """u_n at the nodes of all contact surfaces from the unknowns, but for `nodal_offset`."""
+        ...
+
+    @property
+    def nodal_offset(self) -> Floats:
+        """u_n at the nodes of all contact surfaces of the prescribed displacements."""
+        ...
+
+    def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
+        """ũ − u of (22): the solution of a(δ, v) + ∫ φ δ_n v_n = residual.
+
+        Args:
+            phi: The Robin coefficient at the points of each interface (stress / length).
+            residual: (unknowns,) forces.
+            scale: The size of the forces at work.
+
+        Raises:
+            LooseBodyError: Nothing holds the body against these forces.
+        """
+        ...
+
+    def robin_solver(self, phi: Mapping[int, Floats]) -> Solver:
+        """(A + Φ)⁻¹, with any motion fixed that is free: the body's part of a preconditioner.
+
+        Depends on φ only and may be applied to many right-hand sides; invalid once the body is solved with another φ.
+        """
+        ...
+
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        """The modes of A v = λ (A + Φ) v with λ < below, (unknowns, modes); none where A is too large to ask."""
+        ...
+
+    def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
+        """Unknowns with (nearly) the given u_n at the points of each interface and the inside in equilibrium."""
+        ...
+
+    def restrict(self, u: Floats) -> Floats:
+        """The unknowns of the admissible displacement closest to u (dofs,)."""
+        ...
+
+    def displacement(self, y: Floats) -> Floats:
+        """The displacement (dofs,) of unknowns y."""
+        ...
+
+    def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
+        """operator @ displacement(y) where the unknowns alone tell it, else None; operator: on all dofs."""
+        ...
+
+    def fields(self, y: Floats, deformation: Floats) -> Fields:
+        """The body's solution of unknowns y, whose part without rigid motions is `deformation`."""
+        ...
+
+    def refreshed(self, dofs: Any) -> LocalProblem:
+        """The same problem for the loads and prescribed displacements of `dofs`; all matrices are shared."""
+        ...
 
 
 def contact_traces(
-    sides: Sequence[tuple[int, InterfaceSide]], space: AdmissibleSpace, kept: NDArray[np.intp]
+    sides: Sequence[tuple[int, InterfaceSide]], space: AdmissibleSpace, kept: Indices | None = None
 ) -> list[ContactTrace]:
-    """Where the interfaces meet the kept unknowns."""
-    some, found = space.columns_of(kept), []
+    """The traces of a body's sides on all unknowns of its admissible space, or on those `kept`."""
+    some, found = space.columns if kept is None else space.columns_of(kept), []
     for index, side in sides:
         trace = some(side.trace)
         robin_trace = trace if side.surface.trace is side.trace else some(side.surface.trace)
         found.append(ContactTrace(index, side, trace, space.prescribed(side.trace), robin_trace))
     return found
+
+
+def nodal_operator(traces: Sequence[ContactTrace]) -> scipy.sparse.csr_matrix:
+    """u_n at the nodes of all contact surfaces of a body, from all degrees of freedom."""
+    return scipy.sparse.vstack([trace.side.surface.nodal_trace for trace in traces]).tocsr()
+
+
+def rigid_motions(
+    name: str,
+    kinematics: Kinematics,
+    traces: Sequence[ContactTrace],
+    modes: Floats,
+    coefficients: Floats,
+    springs: Floats,
+    stiffness_scale: float,
+) -> RigidMotions:
+    """The free rigid motions of one body: their unknowns (unknowns, motions), coefficients (all motions, motions) and
+    forces of springs (unknowns, motions), with what each contact adds to their stiffness."""
+    contacts = [
+        Resistance(
+            trace.interface,
+            np.sqrt(trace.side.surface.weights)[:, None] * (trace.robin_trace @ modes),
+            trace.side.transfer,
+        )
+        for trace in traces
+    ]
+    return RigidMotions(modes, springs, contacts, [Owner(name, kinematics, coefficients)], stiffness_scale)
+
+
+def free_fixing_dofs(rigid: RigidMotions, phi: Mapping[int, Floats]) -> Indices:
+    """The unknowns to fix so that no motion is free under φ; empty if there is none."""
+    return select_fixing_dofs(rigid.modes @ rigid.free(phi))

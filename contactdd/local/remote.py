@@ -1,23 +1,146 @@
-"""A body whose inside another rank holds."""
+"""A body that another rank holds, seen from its contacts: all of its local problem but its inside and its solves."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, NoReturn
 
-from ..body import Body
-from ..interface.discretise import Interface
-from .condensed import CondensedProblem
-from .problem import Shared, contact_traces, sides
-from .space import admissible_space
+import numpy as np
+import scipy
+from mpi4py import MPI
+
+from ..base.arrays import Floats, Indices, Operator
+from .condensed import CondensedProblem, seen_from
+from .dense import DenseSystem
+from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
+from .task import LocalTask
 
 
-class RemoteProblem(CondensedProblem):
-    """A body that another rank holds, seen from its contacts: all of the condensed problem but the inside."""
+class CollectiveOperator:
+    """A matrix that one rank holds and all ranks apply together.
 
-    def __init__(self, body: Body, place: int, interfaces: Sequence[Interface], shared: Shared) -> None:
-        self.body = body
-        self.space = admissible_space(body)
-        self.kept, self.stiffness, self.load, self.constant, self.full_load, motions = shared
-        self.sides = sides(place, interfaces)
-        self.ports = contact_traces(self.sides, self.space, self.kept)
-        self.rigid = self._rigid_motions(*motions)
+    Args:
+        comm: The ranks.
+        owner: The rank that holds the matrix.
+        matrix: The matrix on that rank; the others need none.
+        size: The number of its rows and columns where there is no matrix.
+    """
+
+    def __init__(
+        self, comm: MPI.Comm, owner: int, matrix: scipy.sparse.csr_matrix | None = None, size: int = 0
+    ) -> None:
+        self._comm, self._owner, self._matrix = comm, owner, matrix
+        self.shape = (size, size) if matrix is None else matrix.shape
+
+    def __matmul__(self, y: Floats) -> Floats:
+        own = self._comm.rank == self._owner
+        product = np.ascontiguousarray(self._matrix @ y) if own else np.empty_like(y, order="C")
+        self._comm.Bcast(product, root=self._owner)
+        return product
+
+    def gathered(self) -> scipy.sparse.csr_matrix:
+        """The matrix, on every rank."""
+        return self._comm.bcast(self._matrix, root=self._owner)
+
+
+def as_matrix(operator: Any) -> Operator:
+    """The matrix of an operator; one that a single rank holds is sent to all."""
+    return operator.gathered() if isinstance(operator, CollectiveOperator) else operator
+
+
+@dataclass(frozen=True)
+class SharedProblem:
+    """What the other ranks need to know of a local problem.
+
+    Attributes:
+        kept: The unknowns of the admissible space that are its unknowns, None for all.
+        stiffness: S of a condensed problem, None where all ranks apply the stiffness together.
+        load, constant: See `LocalProblem`.
+        modes, coefficients, springs: Of the rigid motions, None where every rank finds them itself.
+        stiffness_scale: The largest stiffness of the unknowns.
+        factor_free: See `LocalProblem`.
+    """
+
+    kept: Indices | None
+    stiffness: Floats | None
+    load: Floats
+    constant: float
+    motions: tuple[Floats, Floats, Floats] | None
+    stiffness_scale: float
+    factor_free: bool
+
+    @classmethod
+    def of(cls, problem: Any) -> SharedProblem:
+        """What is shared of a problem of a meshed body."""
+        rigid = problem.rigid
+        if isinstance(problem, CondensedProblem):
+            motions = rigid.modes, rigid.owners[0].coefficients, rigid.springs
+            condensed = problem.kept, problem.stiffness, problem.load, problem.constant, motions
+            return cls(*condensed, rigid.stiffness_scale, problem.factor_free)
+        return cls(None, None, problem.load, problem.constant, None, rigid.stiffness_scale, problem.factor_free)
+
+
+class RemoteProblem:
+    """A local problem that another rank holds: gaps, forces and energies can be found from it, solves cannot."""
+
+    def __init__(self, task: LocalTask, shared: SharedProblem, owner: int, comm: MPI.Comm) -> None:
+        self.name, self.length, self.dofs = task.body.name, task.body.mesh.size, task.discrete
+        self.factor_free, self.kept = shared.factor_free, shared.kept
+        self.load, self.constant = shared.load, shared.constant
+        self.traces = contact_traces(task.sides, self.dofs.space, self.kept)
+        motions = (*self.dofs.motions, self.dofs.spring_forces) if shared.motions is None else shared.motions
+        kinematics, scale = task.body.kinematics, shared.stiffness_scale
+        self.rigid = rigid_motions(self.name, kinematics, self.traces, *motions, scale)
+        if shared.stiffness is None:
+            self.stiffness: Operator = CollectiveOperator(comm, owner, size=self.dofs.space.size)
+            self._system: DenseSystem | None = None
+        else:
+            self.stiffness = shared.stiffness
+            self._system = DenseSystem(self.name, shared.stiffness, self.traces, self.rigid)
+
+    def refreshed(self, dofs: Any) -> NoReturn:
+        raise NotImplementedError("a remote problem is received anew from its owner")
+
+    @property
+    def size(self) -> int:
+        return len(self.load)
+
+    @property
+    def nodal_trace(self) -> scipy.sparse.csr_matrix:
+        trace = self.dofs.space.columns(nodal_operator(self.traces))
+        return trace if self.kept is None else trace[:, self.kept]
+
+    @property
+    def nodal_offset(self) -> Floats:
+        return self.dofs.space.prescribed(nodal_operator(self.traces))
+
+    def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
+        raise self._elsewhere()
+
+    def robin_solver(self, phi: Mapping[int, Floats]) -> Solver:
+        raise self._elsewhere()
+
+    def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
+        raise self._elsewhere()
+
+    def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
+        raise self._elsewhere()
+
+    def restrict(self, u: Floats) -> Floats:
+        y = self.dofs.restrict(u)
+        return y if self.kept is None else y[self.kept]
+
+    def displacement(self, y: Floats) -> Floats:
+        raise self._elsewhere()
+
+    def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
+        if self.kept is None:
+            return operator @ self.dofs.displacement(y)
+        return seen_from(self.dofs, self.kept, y, operator)
+
+    def fields(self, y: Floats, deformation: Floats) -> Fields:
+        raise self._elsewhere()
+
+    def _elsewhere(self) -> RuntimeError:
+        return RuntimeError(f"body {self.name!r} is solved by the rank that holds it")

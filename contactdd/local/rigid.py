@@ -58,14 +58,14 @@ class RigidMotions:
 
     modes: (unknowns, motions), orthonormal within each body; springs: (unknowns, motions) the forces with which springs
     answer them (a rigid motion meets no other elastic force); contacts: what the interfaces add; owners: whose motions
-    they are; largest: the largest stiffness of the unknowns.
+    they are; stiffness_scale: the largest stiffness of the unknowns.
     """
 
     modes: Floats
     springs: Floats
     contacts: Sequence[Resistance]
     owners: Sequence[Owner]
-    largest: float
+    stiffness_scale: float
 
     @cached_property
     def elastic(self) -> Floats:
@@ -86,7 +86,7 @@ class RigidMotions:
         roots = [contact.root(phi) for contact in self.contacts]
         held = sum((root.T @ root for root in roots), self._steadied)
         # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
-        limit = 1e-14 * max(self.largest, float(np.abs(held).max()))
+        limit = 1e-14 * max(self.stiffness_scale, float(np.abs(held).max()))
         # Mostly the contacts hold all that they ever could.
         if _smallest(held) > limit:
             return self._idle
@@ -100,23 +100,23 @@ class RigidMotions:
     def _idle(self) -> Floats:
         """The neutral motions, (motions, idle); none if springs that are soft enough for these hold any of them."""
         answer = self.neutral.T @ self.elastic @ self.neutral
-        return self.neutral[:, : 0 if np.any(np.abs(answer) > 1e-14 * self.largest) else None]
+        return self.neutral[:, : 0 if np.any(np.abs(answer) > 1e-14 * self.stiffness_scale) else None]
 
     @cached_property
     def _steadied(self) -> Floats:
         """What springs give the motions, with the idle ones held."""
-        return self.elastic + self.largest * (self._idle @ self._idle.T)
+        return self.elastic + self.stiffness_scale * (self._idle @ self._idle.T)
 
     @cached_property
     def neutral(self) -> Floats:
         """The motions that change no gap and meet no spring, open or closed, (motions, neutral): nothing depends on
         them."""
-        springs = np.linalg.norm(self.springs, axis=0) / max(self.largest, np.finfo(float).tiny)
+        springs = np.linalg.norm(self.springs, axis=0) / max(self.stiffness_scale, np.finfo(float).tiny)
         rows = np.vstack([np.diag(springs)] + [contact.rows for contact in self.contacts])
         _, singular, motions = np.linalg.svd(rows, full_matrices=False)
         return motions[singular <= 1e-10 * singular.max(initial=np.finfo(float).tiny)].T
 
-    def ground(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
+    def fixing_dofs(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
         """Unknowns to hold so that no motion is free, none if none is.
 
         Raises LooseBodyError if the forces (unknowns,) do work on a free motion; scale: the size of the forces at work.

@@ -132,7 +132,7 @@ class AdmissibleSpace:
 def admissible_space(body: Body) -> AdmissibleSpace:
     """The displacements that the supports of the body allow."""
     dim, nodes = body.mesh.dim, body.space.dofmap.index_map.size_local
-    conditions = [condition for support in body.supports for condition in support.conditions(body)]
+    conditions = [condition for support in body.supports for condition in support.conditions(body.elements)]
     fixed, offset = np.zeros((nodes, dim), dtype=bool), np.zeros((nodes, dim))
     tilted: dict[int, list[tuple[Floats, float]]] = {}
     for where, direction, values in conditions:

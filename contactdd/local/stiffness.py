@@ -15,7 +15,7 @@ from .forms import spring_matrix, stiffness_matrix
 from .space import AdmissibleSpace
 
 
-class Matrices:
+class Stiffness:
     """A body's stiffness: cell by cell where that pays, and as its forms give it, made when first asked for."""
 
     def __init__(self, body: Body, space: AdmissibleSpace) -> None:

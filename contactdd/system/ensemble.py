@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from ..base.arrays import Floats, Operator
 from ..base.sparse import stacked
 from ..interface.discretise import Interface
-from ..local.assembled import AssembledProblem
-from ..local.problem import ContactTrace
+from ..local.problem import ContactTrace, LocalProblem
 from ..local.rigid import Resistance, RigidMotions
 from .state import State
 
@@ -30,7 +29,7 @@ def joint_motions(ensemble: Ensemble) -> RigidMotions:
     closing = np.sqrt(ensemble.weights)[:, None] * (ensemble.closing @ modes)
     contacts = [Resistance(index, rows) for index, rows in enumerate(ensemble.by_interface(closing))]
     owners = [owner for each in motions for owner in each.owners]
-    return RigidMotions(modes, springs, contacts, owners, max(each.largest for each in motions))
+    return RigidMotions(modes, springs, contacts, owners, max(each.stiffness_scale for each in motions))
 
 
 #: Unknowns up to which matrices of all bodies are dense: one product, or one Cholesky factorisation, beats many of the
@@ -75,7 +74,7 @@ class Ensemble:
     u_αn + u_βn, dense then where its products are cheap.
     """
 
-    def __init__(self, problems: Sequence[AssembledProblem], interfaces: Sequence[Interface]) -> None:
+    def __init__(self, problems: Sequence[LocalProblem], interfaces: Sequence[Interface]) -> None:
         self.problems, self.interfaces = problems, interfaces
         self.parts = _slices(problem.size for problem in problems)
         self.points = _slices(len(interface.weights) for interface in interfaces)
@@ -168,8 +167,8 @@ class Ensemble:
     @cached_property
     def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
         """From y to every body's u_n at the points of its contacts, the prescribed part, and where each body begins."""
-        traces = [stacked([port.trace for port in problem.ports]) for problem in self.problems]
-        offsets = [np.concatenate([port.offset for port in problem.ports]) for problem in self.problems]
+        traces = [stacked([port.trace for port in problem.traces]) for problem in self.problems]
+        offsets = [np.concatenate([port.offset for port in problem.traces]) for problem in self.problems]
         return self._along_diagonal(traces), np.concatenate(offsets), _starts(offsets)
 
     @cached_property
@@ -188,7 +187,7 @@ class Ensemble:
     def _closing(self) -> Operator:
         """The operator from y to u_αn + u_βn at all points."""
         shape = (len(self.weights), self.size)
-        ports = [(part, port) for part, p in zip(self.parts, self.problems, strict=True) for port in p.ports]
+        ports = [(part, port) for part, p in zip(self.parts, self.problems, strict=True) for port in p.traces]
         if self.dense and self._full_product(shape, [port for _, port in ports]):
             total = np.zeros(shape)
             for part, port in ports:
@@ -216,7 +215,7 @@ class Ensemble:
         """The gaps d less what the prescribed displacements close of them, at all points."""
         gaps = np.concatenate([interface.gap for interface in self.interfaces])
         for problem in self.problems:
-            for port in problem.ports:
+            for port in problem.traces:
                 gaps[self.points[port.interface]] -= port.offset
         return gaps
 

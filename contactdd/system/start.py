@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..base.arrays import Floats
+from ..base.ranks import Ranks
 from ..field import evaluate
 from .state import State
 
 if TYPE_CHECKING:
     from ..interface.discretise import Interface
-    from ..local.assembled import AssembledProblem
+    from ..local.problem import LocalProblem
     from .ensemble import Ensemble
 
 
@@ -30,11 +31,11 @@ def from_displacements(ensemble: Ensemble, displacements: Callable[[str], Floats
     """Go on from the displacements (dofs,) of the same bodies, by their names, such as a solution has them."""
     parts = []
     for problem in ensemble.problems:
-        displacement = displacements(problem.body.name)
-        if len(displacement) != problem.body.dofs:
+        displacement = displacements(problem.name)
+        if len(displacement) != len(problem.dofs.load):
             raise ValueError(
-                f"start = a solution: its body {problem.body.name!r} has {len(displacement)} displacement components; "
-                f"expected {problem.body.dofs}"
+                f"start = a solution: its body {problem.name!r} has {len(displacement)} displacement components; "
+                f"expected {len(problem.dofs.load)}"
             )
         parts.append(problem.restrict(displacement))
     return _state(ensemble, parts)
@@ -46,10 +47,10 @@ def with_multipliers(state: State, shifts: list[Floats]) -> State:
     return replace(state, shifts=shifts) if fits else state
 
 
-def from_contacts(ensemble: Ensemble, u_n: Given, previous: Given | None) -> State:
+def from_contacts(ensemble: Ensemble, ranks: Ranks, u_n: Given, previous: Given | None) -> State:
     """u_n at all contact points (length) and, if given, that of the iterate before; the inside in equilibrium."""
     given = {index: _at_points("start", u_n, interface) for index, interface in enumerate(ensemble.interfaces)}
-    state = _state(ensemble, [problem.start(given) for problem in ensemble.problems])
+    state = _state(ensemble, ranks.each(lambda index: ensemble.problems[index].start(given)))
     if previous is not None:
         state.previous_gaps = [i.gap - 2.0 * _at_points("previous", previous, i) for i in ensemble.interfaces]
     return state
@@ -68,7 +69,7 @@ def together(ensemble: Ensemble) -> State:
     """
     motions, compressions = ensemble.rigid, _compressions(ensemble)
     floating = ~np.any(motions.springs, axis=0)
-    prescribed = any(problem.space.has_offset for problem in ensemble.problems)
+    prescribed = any(problem.dofs.prescribed for problem in ensemble.problems)
     if not np.any(floating) or not (prescribed or np.any(compressions)):
         return undeformed(ensemble)
     carried = np.concatenate([_carried(problem) for problem in ensemble.problems])
@@ -87,7 +88,7 @@ def together(ensemble: Ensemble) -> State:
     return state
 
 
-def closed(ensemble: Ensemble) -> State:
+def closed(ensemble: Ensemble, ranks: Ranks) -> State:
     """Every contact closed evenly, until where its gap is smallest it carries the largest mean load of a body.
 
     Bodies that float need such a start: with all contacts open nothing would hold them.
@@ -96,7 +97,7 @@ def closed(ensemble: Ensemble) -> State:
         index: np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
         for index, (interface, w) in enumerate(zip(ensemble.interfaces, _compressions(ensemble), strict=True))
     }
-    return _state(ensemble, [problem.start(given) for problem in ensemble.problems])
+    return _state(ensemble, ranks.each(lambda index: ensemble.problems[index].start(given)))
 
 
 def _at_points(name: str, value: Given, interface: Interface) -> Floats:
@@ -110,21 +111,15 @@ def _compressions(ensemble: Ensemble) -> list[float]:
     return [float(interface.contact.layer.compression(-stress)) for interface in ensemble.interfaces]
 
 
-def _mean_contact_stress(ensemble: Ensemble, problem: AssembledProblem) -> float:
+def _mean_contact_stress(ensemble: Ensemble, problem: LocalProblem) -> float:
     """The resultant of a body's loads over the area of its contacts."""
-    area = sum(float(ensemble.interfaces[port.interface].weights.sum()) for port in problem.ports)
-    resultant = problem.full_load.reshape(-1, problem.body.mesh.dim).sum(axis=0)
-    return float(np.linalg.norm(resultant)) / area
+    area = sum(float(ensemble.interfaces[port.interface].weights.sum()) for port in problem.traces)
+    return problem.dofs.load_size / area
 
 
-def _carried(problem: AssembledProblem) -> Floats:
+def _carried(problem: LocalProblem) -> Floats:
     """The unknowns of a body that what is prescribed on it carries along, as far as it can, as if it were rigid."""
-    space = problem.space
-    if not space.has_offset:
-        return np.zeros(problem.size)
-    modes = problem.body.rigid_modes()
-    *prevented, prescribed = space.prevented(np.column_stack([modes, space.offset])).T
-    return problem.restrict(modes @ np.linalg.lstsq(np.transpose(prevented), prescribed, rcond=1e-10)[0])
+    return problem.restrict(problem.dofs.carried()) if problem.dofs.prescribed else np.zeros(problem.size)
 
 
 def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:

@@ -24,7 +24,7 @@ def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
         of, {"coupled": "auto", "decomposed": "chord"}[method], tolerance=TOLERANCE, local_solver=local_solver
     )
     result = solution.contact(degree=16)  # nine Gauss points per facet, those of `Grid.points`
-    unknowns = sum(problem.size for problem in of.subproblems("assembled"))
+    unknowns = sum(problem.size for problem in of.local_problems("assembled"))
     return Answer(result.pressure[np.argsort(result.x[:, 0])], unknowns, solution.iterations)
 
 

@@ -1,0 +1,116 @@
+"""The finite elements of a body's displacements, and integrals over its volume and its named surfaces.
+
+What loads and supports need to know of a body: they are given its elements, not the body.
+"""
+
+from __future__ import annotations
+
+from functools import cache, cached_property
+from typing import Any
+
+import basix
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import fem
+from numpy.typing import NDArray
+
+from .base import compat
+from .base.arrays import Floats
+from .base.facets import facet_type, surface_points
+from .base.isometry import Isometry
+from .kinematics import Kinematics
+from .mesh import Mesh
+
+
+class Elements:
+    """Lagrange elements of one degree on a mesh, with the kinematics that the integrals' weight follows from.
+
+    Attributes:
+        name: Of the body, for messages.
+        mesh: The body's mesh.
+        degree: Of the polynomials.
+        kinematics: Plane, of revolution or solid.
+    """
+
+    def __init__(self, name: str, mesh: Mesh, degree: int, kinematics: Kinematics) -> None:
+        self.name, self.mesh, self.degree, self.kinematics = name, mesh, degree, kinematics
+
+    @property
+    def domain(self) -> Any:
+        """The dolfinx mesh."""
+        return self.mesh.domain
+
+    @property
+    def dim(self) -> int:
+        """The number of displacement components, 2 or 3."""
+        return self.mesh.dim
+
+    @property
+    def element(self) -> Any:
+        """The Lagrange element of the displacements."""
+        return _lagrange(self.domain.topology.cell_name(), self.degree, self.dim)
+
+    @cached_property
+    def space(self) -> fem.FunctionSpace:
+        """The finite element space of the displacements."""
+        return compat.function_space(self.domain, self.element)
+
+    @property
+    def dofs(self) -> int:
+        """The number of degrees of freedom of the displacements."""
+        return self.space.dofmap.index_map.size_local * self.space.dofmap.bs
+
+    @property
+    def field_degree(self) -> int:
+        """The degree of the polynomials that stand for a load or stiffness given as a function."""
+        return self.degree + 2
+
+    def isometry_from(self, other: Elements) -> Isometry | None:
+        """The motion or mirror image that takes other elements, numbered alike, to these; None if there is none."""
+        if self.degree != other.degree or self.kinematics != other.kinematics:
+            return None
+        isometry = self.mesh.isometry_from(other.mesh)
+        same = isometry is not None and np.array_equal(self.space.dofmap.list, other.space.dofmap.list)
+        return isometry if same else None
+
+    def nodes(self, surface: str) -> NDArray[np.int32]:
+        """The nodes (blocks of degrees of freedom) on a named surface."""
+        return fem.locate_dofs_topological(self.space, self.dim - 1, self.mesh.facets(surface))
+
+    def coordinates(self, nodes: NDArray[np.int32]) -> Floats:
+        """The coordinates x (3, n) of nodes."""
+        return self.space.tabulate_dof_coordinates()[nodes].T
+
+    def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
+        """∫ integrand dx over the body, the full ring in a body of revolution."""
+        weight = self.kinematics.weight(ufl.SpatialCoordinate(self.domain))
+        return weight * integrand * ufl.Measure("dx", domain=self.domain, metadata=metadata)
+
+    def over_surface(self, integrand: Any, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Form:
+        """∫ integrand ds over a named surface, the full ring in a body of revolution."""
+        # The same number for every surface, so that forms on different ones are compiled once.
+        facets = [(1, self.mesh.entities(surface).ravel())]
+        ds = ufl.Measure("ds", domain=self.domain, subdomain_data=facets, subdomain_id=1, metadata=metadata)
+        return self.kinematics.weight(ufl.SpatialCoordinate(self.domain)) * integrand * ds
+
+    def area(self, surface: str) -> float:
+        """∫ 1 ds over a named surface, by the rule of `area_metadata`."""
+        entities = self.mesh.entities(surface)
+        if len(entities) == 0:
+            raise ValueError(f"surface = {surface!r} of body {self.name!r}: it has no facets")
+        points, weights = basix.make_quadrature(facet_type(self.domain), self.area_metadata["quadrature_degree"])
+        at = surface_points(self.domain, entities, points)
+        return float(np.sum(np.tile(weights, len(entities)) * at.area * self.kinematics.weight(at.x.T)))
+
+    @property
+    def area_metadata(self) -> dict[str, Any]:
+        """The quadrature that makes an even traction force / area carry the force to rounding, on curved facets too."""
+        geometry = self.domain.ufl_domain().ufl_coordinate_element().embedded_superdegree
+        return {"quadrature_degree": self.degree + 2 * geometry}
+
+
+@cache
+def _lagrange(cell: str, degree: int, components: int) -> Any:
+    """The Lagrange element of vectors."""
+    return compat.with_cell(basix.ufl.element("Lagrange", cell, degree, shape=(components,)))
