@@ -11,14 +11,17 @@ both agree. Where they do, p > 0 means z = 0 and p = 0 means z ≥ 0, whatever k
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .base.checks import positive
 from .layer import LinearLayer
 
-#: k of the augmented Lagrangian over the stiffness E/h of the bodies' facets: each update of the multipliers then
-#: leaves a tenth to a hundredth of the penetration, and the linear systems are no worse than with a stiff layer.
+#: k of the augmented Lagrangian over the stiffness E/h of the bodies' finest facets: each update of the multipliers
+#: then leaves a tenth to a hundredth of the penetration, and the linear systems are no worse than with a stiff layer.
 PENALTY = 30.0
+
+#: The same for the decomposed methods, whose steps get slower the stiffer the layer is.
+DECOMPOSED_PENALTY = 0.3
 
 
 @dataclass(frozen=True)
@@ -31,27 +34,37 @@ class HardContact:
     `ContactResult.penetration` and by the notes in the history.
 
     Args:
-        penalty: k over the bodies' surface stiffness E/h (no unit). It changes how many iterations are needed, not
-            the result.
+        penalty: k over the bodies' surface stiffness E/h (no unit), by default 30, and 0.3 with decomposed methods. It
+            changes how many iterations are needed, not the result.
 
     Raises:
         TypeError, ValueError: penalty is not a positive finite number.
 
     Example:
         >>> HardContact()
-        HardContact(penalty=30.0)
+        HardContact(penalty=None)
     """
 
-    penalty: float = PENALTY
+    penalty: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "penalty", positive("penalty", self.penalty))
+        if self.penalty is not None:
+            object.__setattr__(self, "penalty", positive("penalty", self.penalty))
 
     def augmented(self, facet_stiffness: float) -> AugmentedLayer:
         """The linear layer between surfaces whose facets have this stiffness E/h."""
-        return AugmentedLayer(self.penalty * facet_stiffness)
+        return AugmentedLayer((self.penalty or PENALTY) * facet_stiffness, self.penalty is not None)
 
 
 @dataclass(frozen=True)
 class AugmentedLayer(LinearLayer):
-    """p = k [s − z]⁺ as a law of the shifted gap z − s: what a hard contact is solved with."""
+    """p = k [s − z]⁺ as a law of the shifted gap z − s: what a hard contact is solved with.
+
+    given: whether the user chose k.
+    """
+
+    given: bool = False
+
+    def decomposed(self) -> AugmentedLayer:
+        """The same for decomposed methods."""
+        return self if self.given else replace(self, stiffness=self.stiffness * DECOMPOSED_PENALTY / PENALTY)

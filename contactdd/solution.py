@@ -230,8 +230,11 @@ class Solution:
 
     @property
     def multipliers(self) -> list[Floats]:
-        """Of hard contacts the pressures over k, (points,) of every contact, to go on from; empty if there are none."""
-        return self._state.shifts
+        """The pressures (points,) of every contact if one of them is hard, to go on from; else an empty list."""
+        if not self._state.shifts:
+            return []
+        contacts = zip(self.interfaces, self._state.gaps, strict=True)
+        return [0.0 - interface.contact.layer.contact_stress(gaps) for interface, gaps in contacts]
 
     def stress(self, body: str | Body) -> fem.Function:
         """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.

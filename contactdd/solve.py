@@ -14,6 +14,7 @@ import numpy as np
 from .base.checks import as_count, check_choice, finite, positive
 from .base.ranks import Ranks
 from .errors import NoEquilibriumError, NotConvergedError
+from .hard_contact import HardContact
 from .history import Record
 from .iteration.augmented import AugmentedRun
 from .iteration.checkpoint import CheckpointWriter, read
@@ -90,10 +91,12 @@ def solve(
     _check_start(start, previous)
     if callback is not None and not callable(callback):
         raise TypeError(f"callback = {callback!r}: expected a function of a record")
-    ranks, ensemble = scene.ranks, Ensemble(scene.local_problems(local_solver), scene.interfaces)
-    hard = any(interface.hard for interface in scene.interfaces)
+    hard = any(isinstance(contact.layer, HardContact) for contact in scene.contacts)
     if hard and file is not None:
         raise ValueError(f"checkpoint = {checkpoint!r}: the multipliers of a hard contact are not kept; expected None")
+    ranks, problems = scene.ranks, scene.local_problems(local_solver)
+    interfaces = [i.decomposed() for i in scene.interfaces] if hard and scheme.decomposed else scene.interfaces
+    ensemble = Ensemble(problems, interfaces)
     if resume and ranks.once(file.exists):
         earlier = ranks.once(lambda: read(file, ensemble, scheme.name))
     else:
@@ -177,7 +180,7 @@ def _start(
     """The first iterate."""
     if isinstance(start, Solution):
         state = starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
-        return starts.with_multipliers(state, start.multipliers)
+        return starts.with_multipliers(state, ensemble, start.multipliers)
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.

@@ -208,7 +208,7 @@ def test_no_wavering_on_linear_elements():
 
 
 def test_methods_and_local_solvers_agree():
-    """Newton's methods, Krylov, multigrid, and Anderson's decomposed one."""
+    """Newton's methods, Krylov, multigrid, and decomposed ones, which take a softer penalty."""
     _, expected = in_order(cd.solve(pressed_blocks((12, 17))).contact())
     for method, local in (
         ("newton", "auto"),
@@ -217,9 +217,12 @@ def test_methods_and_local_solvers_agree():
         ("auto", "assembled"),
         ("newton-krylov", "multigrid"),
         ("anderson", "auto"),
+        ("chord", "auto"),
+        ("one-point", "assembled"),
     ):
         solution = cd.solve(pressed_blocks((12, 17)), method, local_solver=local)
-        assert in_order(solution.contact())[1] == pytest.approx(expected, abs=1e-6 * expected.max())
+        # Each of the two is known to a millionth of its pressures.
+        assert in_order(solution.contact())[1] == pytest.approx(expected, abs=2e-6 * expected.max())
         assert solution.imbalance < 1e-8
 
 
@@ -232,6 +235,43 @@ def test_energy():
     modulus = E * (1 - NU) / ((1 + NU) * (1 - 2 * NU))
     assert solution.elastic_energy() == pytest.approx(0.5 * 10.0**2 / modulus * 8, rel=1e-6)
     assert solution.energy == pytest.approx(-solution.elastic_energy(), rel=1e-6)
+
+
+class RigidCylinder(cd.MeshlessBody):
+    """A rigid cylinder under a force along y, which it may follow."""
+
+    def __init__(self, centre, radius, force):
+        super().__init__("cylinder")
+        self.centre, self.radius, self.force = np.array(centre), radius, force
+
+    def gap(self, x, direction):
+        offset = self.centre - x
+        along = np.sum(offset * direction, axis=1)
+        return along - np.sqrt(self.radius**2 - (np.sum(offset**2, axis=1) - along**2))
+
+    def normal_displacement(self, x, direction):
+        return -np.column_stack([direction, 0 * x[:, 0]])
+
+    def load(self):
+        return np.array([0.0, -self.force, 0.0])
+
+    def prescribed(self):
+        return np.array([0.0, np.nan, 0.0])
+
+
+@pytest.mark.parametrize("swapped", [False, True])
+def test_body_without_a_mesh(swapped):
+    """A rigid cylinder on a block, half of it: Hertz with a rigid second body, in force and in peak."""
+    x, y = line(1.5, 40, 20.0, 14), line(0.75, 16, 20.0, 14)
+    mesh = cd.rectangle((0, -20), (20, 0), (x, -y[::-1]), shape="quadrilateral")
+    block = cd.Body("block", mesh, STEEL, supports=[cd.Symmetry("left", "bottom")], degree=2)
+    force = np.pi * 2 * STAR / (4 * R)
+    cylinder = RigidCylinder((0.0, R), R, force / 2)
+    pair = [(block, "top"), cylinder][:: -1 if swapped else 1]
+    solution = cd.solve(cd.Scene([block, cylinder], [cd.Contact(*pair, cd.HardContact())]))
+    exact = cd.reference.hertz_cylinder(force, R, E, NU)
+    assert solution.contact().force == pytest.approx(force / 2, rel=1e-9)
+    assert solution.contact().pressure.max() == pytest.approx(exact.peak_pressure, rel=5e-3)
 
 
 def test_interference():
@@ -324,6 +364,15 @@ def test_refusals(tmp_path):
     layered = cd.Scene([low, high], [cd.Contact(*pair, cd.LinearLayer(1e6))])
     with pytest.raises(ValueError, match="expected a contact with quadrature='mortar'"):
         layered.with_layer(cd.HardContact())
+
+
+def test_start_from_another_solution():
+    """With the displacements and pressures of a solution the run is over at once, whatever method has found it."""
+    scene = pressed_blocks((12, 17))
+    for method in ("auto", "anderson"):
+        again = cd.solve(scene, start=cd.solve(scene, method))
+        assert again.iterations <= 2
+        assert again.contact().pressure == pytest.approx(cd.solve(scene).contact().pressure, rel=1e-5)
 
 
 def test_with_layer():

@@ -87,8 +87,13 @@ class Interface:
     @cached_property
     def facet_stiffness(self) -> float:
         """E/h of the softer body's facets, the stiffness of a layer that is as stiff as they are."""
+        return min(float(np.median(stiffnesses)) for stiffnesses in self._facet_stiffnesses)
+
+    @property
+    def _facet_stiffnesses(self) -> list[Floats]:
+        """E/h of the facets of both surfaces that have a mesh."""
         meshed = [side.surface for side in self.sides if isinstance(side.surface, ContactSurface)]
-        return min(float(np.median(surface.moduli / surface.facet_sizes)) for surface in meshed)
+        return [surface.moduli / surface.facet_sizes for surface in meshed]
 
     @property
     def unlike(self) -> bool:
@@ -107,8 +112,12 @@ class Interface:
     def with_layer(self, layer: Layer | HardContact) -> Interface:
         """The same interface with the law of another layer."""
         if isinstance(layer, HardContact):
-            layer = layer.augmented(self.facet_stiffness)
+            layer = layer.augmented(min(float(stiffnesses.max()) for stiffnesses in self._facet_stiffnesses))
         return replace(self, contact=self.contact.with_law(layer))
+
+    def decomposed(self) -> Interface:
+        """The same interface for decomposed methods, which solve hard contacts more softly."""
+        return self.with_layer(self.contact.layer.decomposed()) if self.hard else self
 
     @property
     def hard(self) -> bool:

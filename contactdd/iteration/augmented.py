@@ -17,7 +17,7 @@ from .run import Observer, Run
 from .step import Step
 from .stopping import StoppingCriterion, Termination
 
-#: The last change of the multipliers, relative to the largest pressure; what is left is a part of that.
+#: The last change of the multipliers, and what all later ones would add to it, relative to the largest pressure.
 SETTLED = 1e-6
 
 #: Updates of the multipliers; each leaves about a tenth of the change before, or they do not settle at all.
@@ -37,7 +37,7 @@ class AugmentedRun:
 
     def iterate(self, gammas: Iterator[float | None], rule: StoppingCriterion, observe: Observer) -> Termination:
         """Iterate to the end; see `Run.iterate`."""
-        best, best_at = np.inf, 0
+        best, best_at, last = np.inf, 0, np.inf
         for update in range(MOST_UPDATES + 1):
             ending = self._inner(gammas, rule, observe, update)
             if ending.status != "converged":
@@ -45,8 +45,9 @@ class AugmentedRun:
             change = self._ranks.agree(self._change())
             reached = f"{ending.reason}; multipliers updated {update} times, change {change:.2e}"
             reached += f", penetration {self.penetration:.2e}"
-            if change <= SETTLED:
+            if change <= SETTLED and change * remaining(change, last) <= SETTLED:
                 return Termination("converged", reached)
+            last = change
             if change < 0.9 * best:
                 best, best_at = change, update
             elif update - best_at >= PATIENCE:
@@ -94,3 +95,9 @@ class AugmentedRun:
         """The same displacements with other multipliers."""
         gaps = self.ensemble.shifted(shifts).gaps(state.unknowns)
         return replace(state, gaps=gaps, previous_gaps=gaps, shifts=shifts)
+
+
+def remaining(change: float, last: float) -> float:
+    """What all later changes of a geometric sequence add up to, in units of the present one: r + r² + …"""
+    rate = min(change / last, 0.999) if last > 0.0 else 0.0
+    return rate / (1.0 - rate)

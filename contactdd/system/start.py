@@ -41,10 +41,12 @@ def from_displacements(ensemble: Ensemble, displacements: Callable[[str], Floats
     return _state(ensemble, parts)
 
 
-def with_multipliers(state: State, shifts: list[Floats]) -> State:
-    """The same iterate with multipliers of hard contacts, if they are of as many points."""
-    fits = [len(shift) for shift in shifts] == [len(gaps) for gaps in state.gaps]
-    return replace(state, shifts=shifts) if fits else state
+def with_multipliers(state: State, ensemble: Ensemble, multipliers: list[Floats]) -> State:
+    """The same iterate with the multipliers of hard contacts, pressures, if they are of as many points."""
+    if [len(pressure) for pressure in multipliers] != [len(gaps) for gaps in state.gaps]:
+        return state
+    contacts = zip(ensemble.interfaces, multipliers, strict=True)
+    return replace(state, shifts=[p / i.contact.layer.stiffness if i.hard else 0.0 * p for i, p in contacts])
 
 
 def from_contacts(ensemble: Ensemble, ranks: Ranks, u_n: Given, previous: Given | None) -> State:
