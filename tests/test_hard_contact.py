@@ -384,3 +384,53 @@ def test_with_layer():
     assert cd.solve(hard).contact().pressure == pytest.approx(cd.solve(pressed_blocks((7, 11))).contact().pressure)
     back = hard.with_layer(cd.LinearLayer(1e6))
     assert cd.solve(back).contact().pressure == pytest.approx(cd.solve(scene).contact().pressure)
+
+
+# -------------------------------------------------------------------------------------- ends that are no solution
+
+
+def test_pulled_apart():
+    """Nothing holds a body that is pulled away: no equilibrium, as with any layer."""
+    walls = cd.Symmetry("left", "right")
+    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (7, 3)), STEEL, supports=[walls, cd.Symmetry("bottom")])
+    upper = cd.Body(
+        "upper", cd.rectangle((0, 1), (4, 2), (11, 3)), STEEL, supports=[walls], loads=[cd.Pressure("top", -1.0)]
+    )
+    scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.HardContact())])
+    with pytest.raises(cd.NoEquilibriumError):
+        cd.solve(scene)
+
+
+def test_overlap_that_no_pressure_can_close():
+    """Both surfaces held in place, an interference between them: told, not answered with any pressure."""
+    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (7, 3)), STEEL, supports=[cd.Fixed("bottom", "top")])
+    upper = cd.Body("upper", cd.rectangle((0, 1), (4, 2), (11, 3)), STEEL, supports=[cd.Fixed("top", "bottom")])
+    contact = cd.Contact((lower, "top"), (upper, "bottom"), cd.HardContact(), gap=-1e-3)
+    solution = cd.solve(cd.Scene([lower, upper], [contact]), on_failure="return")
+    assert solution.status == "stalled"
+    assert "do not settle" in solution.reason
+    assert solution.contact().penetration == pytest.approx(1e-3)
+
+
+@pytest.mark.long
+def test_sphere_in_space():
+    """Hertz' sphere as a quarter of two solids of unlike hexahedra: the peak to 1 %, the force to rounding."""
+    force = 4 * STAR / (3 * R)
+    exact = cd.reference.hertz_sphere(force, R, E, NU, E2=E, nu2=NU)
+    length, bodies = 12.0, []
+    for side, cells, more in ((-1, 8, 6), (1, 11, 7)):
+        x, y = line(1.3, cells, length, more), line(0.6, 3, length, 7)
+        low, high = ((0, 0, -length), (length, length, 0)) if side < 0 else ((0, 0, 0), (length,) * 3)
+        mesh = cd.box(low, high, (x, x, -y[::-1] if side < 0 else y), shape="hexahedron")
+        held = cd.Symmetry("left", "front", *(["bottom"] if side < 0 else []))
+        loads = [] if side < 0 else [cd.Pressure("top", force / 4 / length**2)]
+        bodies.append(cd.Body("lower" if side < 0 else "upper", mesh, STEEL, supports=[held], loads=loads))
+    contact = cd.Contact(
+        (bodies[0], "top"), (bodies[1], "bottom"), cd.HardContact(), gap=lambda x: (x[0] ** 2 + x[1] ** 2) / (2 * R)
+    )
+    result = cd.solve(cd.Scene(bodies, [contact])).contact()
+    assert result.force == pytest.approx(force / 4, rel=1e-9)
+    assert result.pressure.max() == pytest.approx(exact.peak_pressure, rel=0.01)
+    radius = np.hypot(*result.x.T[:2])
+    inner = radius < 0.6  # six facets from the middle to the edge of contact
+    assert result.pressure[inner] == pytest.approx(exact.pressure(radius[inner]), abs=0.07 * exact.peak_pressure)
