@@ -5,6 +5,7 @@
 The way of the data: mesh and material → body → contact → scene → solve → solution → picture.
 """
 
+import warnings
 from importlib import import_module
 from types import ModuleType
 
@@ -12,15 +13,20 @@ __version__ = "0.1.0"
 
 from .base import compat
 from .body import Body
+from .body_result import BodyResult
 from .contact import Contact
+from .contact_result import ContactResult
 from .errors import (
     CheckpointError,
     ContactError,
+    ContactWarning,
+    LargeStrainWarning,
     LooseBodyError,
     MeshMismatchError,
     NoEquilibriumError,
     NotConvergedError,
 )
+from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
 from .hard_contact import HardContact
 from .history import History, Record
 from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
@@ -31,15 +37,17 @@ from .local.problem import ContactTrace, Fields, LocalProblem
 from .local.reduced import ReducedProblem
 from .local.task import LocalTask
 from .material import Anisotropic, Isotropic, Material, Orthotropic
-from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
-from .programme import Path, StepFailedError, programme
+from .programme import LoadPath, StepFailedError, programme
+from .saved import SavedSolution, load_solution
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
-from .solution import ContactResult, Solution
+from .solution import Solution
 from .solve import solve
 from .support import Displacement, Fixed, Spring, Symmetry
+from .surface_result import SurfaceResult
 
 __all__ = [
     "LOCAL_SOLVERS",
@@ -47,11 +55,13 @@ __all__ = [
     "Anisotropic",
     "Body",
     "BodyForce",
+    "BodyResult",
     "CheckpointError",
     "Contact",
     "ContactError",
     "ContactResult",
     "ContactTrace",
+    "ContactWarning",
     "CustomLayer",
     "DenseSystem",
     "Displacement",
@@ -60,8 +70,10 @@ __all__ = [
     "HardContact",
     "History",
     "Isotropic",
+    "LargeStrainWarning",
     "Layer",
     "LinearLayer",
+    "LoadPath",
     "LocalProblem",
     "LocalTask",
     "LooseBodyError",
@@ -73,17 +85,18 @@ __all__ = [
     "NotConvergedError",
     "Orthotropic",
     "Parameter",
-    "Path",
     "PowerLayer",
     "Pressure",
     "Record",
     "ReducedProblem",
     "Resultant",
+    "SavedSolution",
     "Scene",
     "Scheme",
     "Solution",
     "Spring",
     "StepFailedError",
+    "SurfaceResult",
     "Symmetry",
     "TableLayer",
     "Traction",
@@ -91,9 +104,12 @@ __all__ = [
     "compat",
     "from_dolfinx",
     "from_gmsh",
+    "load_solution",
     "one_point",
     "programme",
+    "read_bodies",
     "read_gmsh",
+    "read_mesh",
     "rectangle",
     "reference",
     "register_local_solver",
@@ -101,8 +117,11 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> ModuleType:
-    """The module `reference`, imported when first asked for: solving needs none of what it imports."""
+def __getattr__(name: str) -> ModuleType | type:
+    """The module `reference`, imported when first asked for: solving needs none of what it imports; and old names."""
     if name == "reference":
         return import_module(".reference", __name__)
+    if name == "Path":
+        warnings.warn("cd.Path is now called cd.LoadPath", DeprecationWarning, stacklevel=2)
+        return LoadPath
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
+from typing import Any
 
 import numpy as np
+import ufl
 
-from .base.checks import as_count, check_choice, positive
+from .base.checks import as_bool, as_count, check_choice, positive
 from .body import Body
 from .field import check_field
 from .hard_contact import HardContact
@@ -47,11 +49,19 @@ class Contact:
         quadrature_degree: int | None = None,
         name: str | None = None,
     ) -> None:
-        first, second = _checked_side("first", first), _checked_side("second", second)
-        if first[0].mesh is None and second[0].mesh is None:
-            raise ValueError(f"first = {first[0]!r}, second = {second[0]!r}: expected one body with a mesh")
+        sides = _checked_side("first", first), _checked_side("second", second)
+        bodies = [body for body, _ in sides]
+        if all(body.mesh is None for body in bodies):
+            raise ValueError(f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one body with a mesh")
         _check_layer(layer)
+        if bodies[0].kinematics.dim != bodies[1].kinematics.dim:
+            raise ValueError(
+                f"body {bodies[0].name!r} has {bodies[0].kinematics.dim} coordinates, body {bodies[1].name!r} "
+                f"{bodies[1].kinematics.dim}; expected both in the plane or both in space"
+            )
         check_field("gap", gap)
+        if isinstance(gap, ufl.core.expr.Expr):
+            raise TypeError(f"gap = {gap!r}: expected a number or a function of the coordinates")
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
         if quadrature is None:
@@ -61,19 +71,19 @@ class Contact:
             raise ValueError(
                 f"quadrature = {quadrature!r} with a hard contact: its pressure would waver; expected 'mortar'"
             )
-        if first[0].kinematics.ring and not RULES[quadrature].rings:
+        if bodies[0].kinematics.ring and not RULES[quadrature].rings:
             raise ValueError(
                 f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
                 f"expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"
             )
-        self.sides = (first, second)
+        self.sides = sides
         self.layer = layer
         self.gap = gap
-        self.measure_gap = bool(measure_gap)
+        self.measure_gap = as_bool("measure_gap", measure_gap)
         self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
         self.quadrature_degree = None if quadrature_degree is None else as_count("quadrature_degree", quadrature_degree)
-        self.name = name or f"{first[0].name}–{second[0].name}"
+        self.name = name or f"{bodies[0].name}–{bodies[1].name}"
 
     @property
     def reach(self) -> float:
@@ -113,7 +123,7 @@ class Contact:
         return f"Contact({self.name!r}: {zones}, {self.layer!r})"
 
 
-def _checked_side(name: str, side: Side) -> tuple[Body | MeshlessBody, str]:
+def _checked_side(name: str, side: Side) -> tuple[Any, str]:
     """A side of a contact as (body, surface name); a body without a mesh stands for its whole surface."""
     if isinstance(side, MeshlessBody):
         return side, ""

@@ -20,7 +20,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats
-from .base.checks import positive
+from .base.checks import as_floats, positive
 
 Function = Callable[[Floats], ArrayLike]
 
@@ -278,9 +278,7 @@ class CustomLayer(Layer):
 
     def _check_law(self) -> None:
         c = np.concatenate(([0.0], self._samples()))
-        p = self._pressure(c)
-        if p.shape != c.shape:
-            raise ValueError(f"g = {self._g!r}: maps shape {c.shape} to {p.shape}; expected the same")
+        p = -_on_arrays("g", self._g, -c)
         if p[0] != 0:
             raise ValueError(f"g = {self._g!r}: g(0) = {-p[0]:g}, expected g(0) = 0, eq. (7)")
         wrong = ~(np.isfinite(p[1:]) & (np.diff(p) > 0))
@@ -294,12 +292,20 @@ class CustomLayer(Layer):
     def _check_given_parts(self) -> None:
         c = self._samples()
         p = self._pressure(c)
-        if self._derivative is not None:
-            _check_agreement("derivative", self._slope(c), _central_derivative(self._pressure, c))
+        given = {"derivative": self._derivative, "energy": self._stored, "inverse": self._inverse}
+        for name, function in given.items():
+            if function is not None:
+                _on_arrays(name, function, -(p if name == "inverse" else c))
         if self._stored is not None:
             _check_agreement("energy", self._energy(c), _integral_from_zero(self._pressure, c))
         if self._inverse is not None:
             _check_agreement("inverse", -self._depth(p), -c)
+        if self._derivative is not None:
+            slope = self._slope(c)
+            _check_agreement("derivative", slope, _central_derivative(self._pressure, c))
+            if not np.all(slope >= 0.0):
+                i = int(np.argmin(np.where(np.isnan(slope), -np.inf, slope)))
+                raise ValueError(f"derivative: {slope[i]:g} at w = {-c[i]:g}; expected numbers >= 0, as g increases")
 
 
 @dataclass(frozen=True)
@@ -371,10 +377,25 @@ class TableLayer(Layer):
         return cubic * (s**2 + s * t + t**2) + quadratic * (s + t) + linear
 
 
+def _on_arrays(name: str, function: Function, values: Floats) -> Floats:
+    """function(values), refused unless it takes arrays of any shape and gives real numbers of the same shape."""
+    for given in (values, values.reshape(-1, 1)):
+        try:
+            found = np.asarray(function(given))
+        except (TypeError, ValueError) as error:
+            hint = "; np.where(...) chooses where `if` cannot" if "truth value" in str(error) else ""
+            raise TypeError(f"{name} = {function!r}: expected a function of arrays ({error}{hint})") from error
+        if found.dtype.kind not in "biuf":
+            raise TypeError(f"{name} = {function!r}: gives {found.dtype} numbers; expected real ones")
+        if found.shape != given.shape:
+            raise ValueError(f"{name} = {function!r}: maps shape {given.shape} to {found.shape}; expected the same")
+    return np.asarray(found, dtype=float).ravel()
+
+
 def _column(name: str, values: ArrayLike) -> Floats:
     """`values` as a one-dimensional array of finite numbers; ValueError if they aren't."""
     try:
-        column = np.asarray(values, dtype=float)
+        column = as_floats(name, values, "a non-empty sequence of finite numbers")
     except (TypeError, ValueError):
         column = np.empty(0)
     if column.ndim != 1 or column.size == 0 or not np.all(np.isfinite(column)):

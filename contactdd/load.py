@@ -12,9 +12,8 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from .base.checks import as_floats
 from .elements import Elements
-from .field import Field, check_field, coefficient
+from .field import Field, check_dimension, check_field, coefficient
 from .parameter import current
 
 
@@ -43,6 +42,10 @@ class Traction:
     def __post_init__(self) -> None:
         check_field("traction", self.value, vector=True)
 
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates."""
+        check_dimension("traction", self.value, dim)
+
     def form(self, on: Elements, v: Any) -> Any:
         p = coefficient("traction", self.value, on.domain, (on.dim,), on.field_degree)
         return on.over_surface(ufl.dot(p, v), self.surface)
@@ -56,6 +59,10 @@ class BodyForce:
 
     def __post_init__(self) -> None:
         check_field("body force", self.value, vector=True)
+
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates."""
+        check_dimension("body force", self.value, dim)
 
     def form(self, on: Elements, v: Any) -> Any:
         f = coefficient("body force", self.value, on.domain, (on.dim,), on.field_degree)
@@ -74,7 +81,13 @@ class Resultant:
     force: Field
 
     def __post_init__(self) -> None:
-        as_floats("force", current(self.force), "2 or 3 finite numbers")
+        if callable(current(self.force)) or isinstance(self.force, ufl.core.expr.Expr):
+            raise TypeError(f"force = {self.force!r}: expected 2 or 3 finite numbers")
+        check_field("force", self.force, vector=True)
+
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates."""
+        check_dimension("force", self.force, dim)
 
     def form(self, on: Elements, v: Any) -> Any:
         force = current(self.force)

@@ -19,8 +19,10 @@ from .interface.discretise import Interface, discretise
 from .layer import Layer
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
 from .local.problem import LocalProblem
+from .local.space import admissible_space
 from .meshless import MeshlessBody
 from .parameter import Parameter, parameters
+from .support import Displacement, Spring, Support
 
 
 class Scene:
@@ -137,6 +139,9 @@ class Scene:
         for body in self.bodies:
             if id(body) not in touching:
                 raise ValueError(f"body {body.name!r} has no contact; expected bodies that touch others")
+        for body in self.bodies:
+            if body.mesh is not None and _may_contradict(body.supports):
+                admissible_space(body)  # refuses supports that prescribe different displacements
 
     def _check_contact(self, contact: Contact, used: dict[tuple[int, int], str]) -> None:
         """The bodies of a contact are the scene's, and no facet is in two contacts."""
@@ -155,3 +160,10 @@ class Scene:
                         f"{used[key]!r} uses already"
                     )
                 used[key] = contact.name
+
+
+def _may_contradict(supports: Sequence[Support]) -> bool:
+    """Whether supports, as they will always be, might prescribe different displacements of one point."""
+    holding = [support for support in supports if not isinstance(support, Spring)]
+    prescribing = [support for support in holding if isinstance(support, Displacement)]
+    return bool(prescribing) and len(holding) > 1 and not parameters(s.values for s in prescribing)

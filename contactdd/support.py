@@ -12,7 +12,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from .base.arrays import Floats
-from .base.checks import check_choice, positive
+from .base.checks import as_floats, check_choice, check_vector, positive
 from .base.facets import surface_points
 from .elements import Elements
 from .field import Field, check_field, coefficient, evaluate
@@ -69,7 +69,14 @@ class Displacement:
             raise TypeError(f"values = {self.values!r}: expected a list, one entry per coordinate (None where free)")
         for value in self.values:
             if value is not None:
+                if isinstance(value, ufl.core.expr.Expr):
+                    raise TypeError(f"displacement = {value!r}: expected a number or a function of the coordinates")
                 check_field("displacement", value)
+
+    def check(self, dim: int) -> None:
+        """Refuse another number of values than a body of that dimension has coordinates."""
+        if len(self.values) != dim:
+            raise ValueError(f"values = {self.values!r}: expected {dim} entries (None where free)")
 
     def conditions(self, on: Elements) -> Iterator[Condition]:
         if len(self.values) != on.dim:
@@ -100,6 +107,17 @@ class Spring:
             positive("stiffness", self.stiffness)
         if isinstance(self.direction, str):
             check_choice("direction", self.direction, ("normal",))
+        elif self.direction is not None:
+            direction = as_floats("direction", self.direction, "'normal' or 2 or 3 finite numbers")
+            if direction.shape not in ((2,), (3,)) or not 0.0 < np.linalg.norm(direction) < np.inf:
+                raise ValueError(
+                    f"direction = {self.direction!r}: expected 'normal' or a vector of 2 or 3 numbers, not all zero"
+                )
+
+    def check(self, dim: int) -> None:
+        """Refuse a direction of another number of coordinates than a body of that dimension has."""
+        if self.direction is not None and not isinstance(self.direction, str):
+            check_vector("direction", self.direction, dim)
 
     def conditions(self, on: Elements) -> Iterator[Condition]:
         return iter(())

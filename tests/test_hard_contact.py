@@ -82,6 +82,19 @@ def test_hertz(kinematics, degree):
     assert np.abs(result.pressure * result.gap).max() < 1e-6 * exact.peak_pressure * 5e-3
 
 
+def test_edge_of_contact():
+    """Where the pressure ends and the gap begins: within a facet of Hertz' half width, as the facets' own status is."""
+    force = np.pi * STAR / (4 * R)
+    solution = cd.solve(half_spaces("plane strain", lambda x: x[0] ** 2 / (2 * R), force / 40.0))
+    result = solution.contact()
+    assert result.edge[:, 0] == pytest.approx([1.0], abs=1.5 / 48)
+    assert result.area == pytest.approx(1.0, abs=1.5 / 48)
+    for second in (False, True):
+        surface = solution.contact_surface(second=second)
+        assert surface.areas @ surface.pressure == pytest.approx(force / 2, rel=1e-9)
+        assert surface.areas @ surface.closed == pytest.approx(1.0, abs=2 * 1.5 / 48)
+
+
 def test_wavy_surface():
     """Westergaard (Johnson, 13.2) at half the closing pressure and beyond it, both bodies a wave length high."""
     depth, length = 1e-4, 1.0
@@ -359,7 +372,7 @@ def test_refusals(tmp_path):
     for penalty, error in ((0.0, ValueError), (np.nan, ValueError), ("stiff", TypeError)):
         with pytest.raises(error, match="penalty"):
             cd.HardContact(penalty)
-    with pytest.raises(ValueError, match=r"checkpoint.*hard contact"):
+    with pytest.raises(ValueError, match=r"checkpoint.*hard contacts"):
         cd.solve(pressed_blocks((7, 11)), checkpoint=tmp_path / "state")
     layered = cd.Scene([low, high], [cd.Contact(*pair, cd.LinearLayer(1e6))])
     with pytest.raises(ValueError, match="expected a contact with quadrature='mortar'"):
@@ -403,8 +416,8 @@ def test_pulled_apart():
 
 def test_overlap_that_no_pressure_can_close():
     """Both surfaces held in place, an interference between them: told, not answered with any pressure."""
-    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (7, 3)), STEEL, supports=[cd.Fixed("bottom", "top")])
-    upper = cd.Body("upper", cd.rectangle((0, 1), (4, 2), (11, 3)), STEEL, supports=[cd.Fixed("top", "bottom")])
+    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (7, 3)), STEEL, supports=[cd.Symmetry("bottom", "top", "left")])
+    upper = cd.Body("upper", cd.rectangle((0, 1), (4, 2), (11, 3)), STEEL, supports=[cd.Symmetry("top", "bottom", "left")])
     contact = cd.Contact((lower, "top"), (upper, "bottom"), cd.HardContact(), gap=-1e-3)
     solution = cd.solve(cd.Scene([lower, upper], [contact]), on_failure="return")
     assert solution.status == "stalled"

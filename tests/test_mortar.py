@@ -71,7 +71,7 @@ def test_partly_overlapping(width):
     solution = cd.solve(blocks(((16, 4), (10, 5)), width=width))
     result = solution.contact()
     assert result.force == pytest.approx(width * LOAD, rel=1e-10)
-    assert result.unmatched[0] == pytest.approx(4 - width)
+    assert result.unpaired_area[0] == pytest.approx(4 - width)
     for body, sign in (("lower", -1.0), ("upper", 1.0)):
         assert solution.forces(body)["contact"][1] == pytest.approx(sign * width * LOAD, rel=1e-10)
 
@@ -133,8 +133,8 @@ def test_projected_pressure_keeps_nodal_forces():
     """∫ p ψ_i is that of the law's pressure for every node: also on a surface that is only partly covered."""
     for quadrature in ("gauss", "facet"):
         scene = blocks(((16, 4), (10, 5)), width=2.45, quadrature=quadrature)
-        result = cd.solve(scene).contact()
-        functions = result.projection
+        solution = cd.solve(scene)
+        result, functions = solution.contact(), solution.interfaces[0].functions
         work = functions.at_values.T @ (result.weights * result.pressure)
         assert np.allclose(result.node_x[:, 1], 1.0)  # where the surfaces meet
         assert work.sum() == pytest.approx(result.force, rel=1e-12)
@@ -183,3 +183,19 @@ def test_parameter_in_the_gap():
     assert flat == pytest.approx(LOAD)
     fixed = cd.solve(blocks(((7, 3), (11, 2)), gap=groove)).contact()
     assert cd.solve(scene).contact().pressure == pytest.approx(fixed.pressure, rel=1e-8)
+
+
+@pytest.mark.parametrize("quadrature", ["gauss", "mortar"])
+def test_surfaces_and_files_hold_the_nodal_pressure(quadrature, tmp_path):
+    """The surface that carries the nodes shows the field; saved and read back it is the same."""
+    scene = blocks(((14, 7), (22, 11)), gap=groove, quadrature=quadrature)
+    solution = cd.solve(scene)
+    result = solution.contact()
+    surfaces = solution.contact_surface(), solution.contact_surface(second=True)
+    shown = [surface for surface in surfaces if surface.projected_pressure is not None]
+    assert len(shown) == 1
+    order, own = np.argsort(shown[0].points[:, 0]), np.argsort(result.node_x[:, 0])
+    assert shown[0].projected_pressure[order] == pytest.approx(result.nodal_pressure[own], rel=1e-12)
+    read = cd.load_solution(solution.save(tmp_path / "saved")).contact()
+    for name in ("projected_pressure", "nodal_pressure", "node_x", "pointwise_pressure", "stiffness_ratio", "hard"):
+        assert np.array_equal(getattr(read, name), getattr(result, name))

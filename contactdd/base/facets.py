@@ -6,7 +6,7 @@ points of any boundary facets: every element, degree and dimension by the same l
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
 
@@ -33,6 +33,10 @@ class FacetPoints:
     x: Floats
     normal: Floats
     area: Floats
+
+    def kept(self, places: NDArray[np.intp]) -> FacetPoints:
+        """Some of the points."""
+        return FacetPoints(*(getattr(self, field.name)[places] for field in fields(self)))
 
     def turned(self, isometry: Isometry) -> FacetPoints:
         """The same points on a copy of the mesh."""
@@ -73,11 +77,11 @@ def facet_map(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -
 
 def facet_corners(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> Floats:
     """The corners of facets in order around each, (n, corners, dim)."""
-    return domain.geometry.x[corner_nodes(domain, entities)][:, :, : domain.topology.dim]
+    return domain.geometry.x[facet_nodes(domain, entities)][:, :, : domain.topology.dim]
 
 
-def corner_nodes(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The mesh's nodes at the corners of facets in order around each, (n, corners)."""
+def facet_nodes(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The geometry nodes at the corners of facets in order around each, (n, corners)."""
     frame = _reference_facets(compat.coordinate_map(domain).cell_type)
     # The first of a cell's geometry nodes are its vertices.
     return compat.geometry_dofmap(domain)[entities[:, :1], frame.corners[entities[:, 1]]]
@@ -115,7 +119,7 @@ def _reference_facets(cell: basix.CellType) -> _ReferenceFacets:
     return _ReferenceFacets(facets[:, around], origins, axes)
 
 
-def _tabulated(element: Any, local: NDArray[np.intp], points: Floats) -> tuple[Floats, Floats]:
+def _tabulated(element: Any, local: NDArray[np.integer[Any]], points: Floats) -> tuple[Floats, Floats]:
     """Points (n, dim − 1) of the facets `local` (n,) in the reference cell, (n, dim), and a scalar element there: its
     functions and their derivatives along the facet's axes and the outward normal, (n, 1 + dim, nodes)."""
     frame = _reference_facets(element.cell_type)

@@ -23,6 +23,7 @@ from ..meshless import MeshlessBody
 from ..quadrature import Quadrature, find_quadrature
 from .nodal import LinearFunctions, hats, node_coordinates, side_of_nodes
 from .pairing import Matching, PointPairs, matching, matching_on, pair_by_segments
+from .smooth import smooth_places
 from .surface import ContactSurface, Gather, PointSurface
 from .trace import normal_trace
 
@@ -58,12 +59,14 @@ class PrescribedGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
-    the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal:
-    makes the linear functions of one surface's nodes; unmatched: the area of either surface that has no partner;
-    facets: on meshes that match, the second surface's opposite each of the first's; gathered: (nodes, n) which
-    point's value each node of a surface takes, None where the points are no nodes. The contact's layer is always a
-    law; a hard contact has its `AugmentedLayer`. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's, or the
+    nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found
+    from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal: makes the linear
+    functions of one surface's nodes; unmatched: the area of either surface that has no partner; facets: on meshes that
+    match, the second surface's opposite each of the first's; gathered: (nodes, n) which point's value each node of a
+    surface takes, None where the points are no nodes; doubt: (n,) by how much `measured` may be off where the facets do
+    not tell what surface is meant, None if they do. The contact's layer is always a law; a hard contact has its
+    `AugmentedLayer`. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -78,11 +81,21 @@ class Interface:
     unmatched: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
+    doubt: Floats | None = None
 
     @cached_property
     def functions(self) -> LinearFunctions:
         """The linear functions of the nodes of one surface."""
         return self.nodal()
+
+    def nodal_field(self, pressure: Floats) -> Floats:
+        """A pressure at the points, L²-projected onto the linear functions: its values at all nodes of their surface.
+
+        Zero where the contact does not reach.
+        """
+        if self.gathered is not None:
+            return self.gathered @ pressure
+        return self.functions.everywhere(self.functions.projected(pressure, self.weights))
 
     @cached_property
     def facet_stiffness(self) -> float:
@@ -97,8 +110,9 @@ class Interface:
 
     @property
     def unlike(self) -> bool:
-        """Whether two meshes meet that do not match."""
-        return self.facets is None and all(isinstance(side.surface, ContactSurface) for side in self.sides)
+        """Whether a law meets two meshes that do not match at points or segments, not at nodes."""
+        meshed = all(isinstance(side.surface, ContactSurface) for side in self.sides)
+        return self.facets is None and self.gathered is None and meshed
 
     @cached_property
     def gap(self) -> Floats:
@@ -160,7 +174,7 @@ def _discretised(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.i
     x, normal = first.mean(first.points.x), first.mean(first.points.normal)
     distance = dot(matched.in_order(second.mean(second.points.x)) - x, normal)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
-    given = PrescribedGap(first.points.x, first.average)
+    given = PrescribedGap(smooth_places(first) if callable(contact.gap) else first.points.x, first.average)
     shape = given.at(contact.gap)
     sides = (
         InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
@@ -190,8 +204,9 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
     if quadrature.of_nodes:
         return _nodes_opposite_meshless(contact, bodies, own, partner, meshed)
     x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
-    trace, measured = _seen_meshless(contact, partner, x, normal)
-    given = PrescribedGap(own.points.x, own.average)
+    places = smooth_places(own)
+    trace, measured = _seen_meshless(contact, partner, x, own.mean(places), normal)
+    given = PrescribedGap(places, own.average)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
         InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
@@ -218,10 +233,11 @@ def _nodes_opposite_meshless(
     facets = np.repeat(np.arange(len(own.facets)), own.per_facet)
     sampling = own.rule.sampling(own.weights, facets, lambda: hats(own, own.points))
     values = sampling.mean
-    trace, measured = _seen_meshless(contact, partner, own.points.x, own.points.normal)
+    places = smooth_places(own)
+    trace, measured = _seen_meshless(contact, partner, own.points.x, places, own.points.normal)
     normal = values @ own.points.normal
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    given = PrescribedGap(own.points.x, values)
+    given = PrescribedGap(places, values)
     weights, trace = sampling.weights, (values @ trace).tocsr()
     points = Gather(np.arange(len(weights)), len(weights))
     means = _facet_means(own, facets, own.weights, sampling.spread)
@@ -245,11 +261,12 @@ def _nodes_opposite_meshless(
 
 
 def _seen_meshless(
-    contact: Contact, partner: MeshlessBody, x: Floats, normal: Floats
+    contact: Contact, partner: MeshlessBody, x: Floats, places: Floats, normal: Floats
 ) -> tuple[scipy.sparse.csr_matrix, Floats]:
-    """The normal displacement of a body without a mesh at points, as an operator on its unknowns, and its distance."""
+    """The normal displacement of a body without a mesh at points x, as an operator on its unknowns, and its distance
+    from the places on the smooth surface."""
     trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
-    distance = _checked("gap", partner.gap(x, normal), len(x), 1)
+    distance = _checked("gap", partner.gap(places, normal), len(x), 1)
     return trace, contact.measure_gap * without_rounding(distance, np.abs(x).max())
 
 
@@ -286,7 +303,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         partners.weights, partners.segment, lambda: hats(surfaces[nodal()], partners.points[nodal()])
     )
     values = sampling.mean
-    x = partners.points[0].x
+    x = partners.places[0]
     normal = values @ partners.normal
     given = PrescribedGap(partners.middle, values)
     shape = given.at(contact.gap)
@@ -294,7 +311,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         InterfaceSide(
             bodies[place],
             surface,
-            (values @ normal_trace(surface.body.space, partners.points[place], sign * partners.normal)).tocsr(),
+            (values @ _trace(surface, partners, place, sign)).tocsr(),
             _facet_means(surface, partners.facets[place], partners.weights, sampling.spread),
         )
         for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
@@ -312,7 +329,16 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
         (unmatched[0], unmatched[1]),
         gathered=sampling.gathered,
+        doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
+
+
+def _trace(surface: ContactSurface, partners: PointPairs, place: int, sign: float) -> scipy.sparse.csr_matrix:
+    """The normal displacement of one side, outwards, at the points, (n, dofs)."""
+    trace = normal_trace(surface.body.space, partners.points[place], sign * partners.normal)
+    smooth = partners.smooth[place]
+    stretch = None if smooth is None else smooth.stretch_trace()
+    return trace if stretch is None else trace + stretch
 
 
 def _linear_functions(first: ContactSurface, second: ContactSurface, matched: Matching) -> LinearFunctions:

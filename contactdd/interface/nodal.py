@@ -15,7 +15,7 @@ import scipy
 
 from ..base import compat
 from ..base.arrays import Floats, Indices
-from ..base.facets import FacetPoints, corner_nodes
+from ..base.facets import FacetPoints, facet_nodes
 from .surface import ContactSurface
 
 #: A body whose surface is this much softer carries the nodes, whatever the facets.
@@ -54,6 +54,12 @@ class LinearFunctions:
         """The coefficients c (nodes,) of the L² projection: Σ c_j ∫ ψ_i ψ_j = Σ_v weights_v values_v ψ_i(v)."""
         scale, mass = self._mass
         return scale * mass.solve(scale * (self.at_values.T @ (weights * values)))
+
+    def everywhere(self, values: Floats) -> Floats:
+        """Values (nodes,) at the nodes `x`, and zeros at all others of the surface."""
+        field = np.zeros(self._hats.shape[1])
+        field[self._reached] = values
+        return field
 
     @cached_property
     def _hats(self) -> scipy.sparse.csr_matrix:
@@ -108,7 +114,7 @@ def side_of_nodes(surfaces: tuple[ContactSurface, ContactSurface], facets: tuple
 
 def _nodes(surface: ContactSurface) -> Indices:
     """The geometry nodes at the vertices of a surface's facets, in order."""
-    return np.unique(corner_nodes(surface.body.mesh.domain, surface.entities))
+    return np.unique(facet_nodes(surface.body.mesh.domain, surface.entities))
 
 
 @cache

@@ -73,20 +73,20 @@ class MeshlessProblem:
         self._matrix = matrix
         self.dofs = MeshlessDofs(body)
         space = self.dofs.space
-        self.stiffness = matrix[np.ix_(space.free, space.free)]
+        self.stiffness = matrix[np.ix_(space.free_dofs, space.free_dofs)]
         self.traces = contact_traces(task.sides, space)
         modes, coefficients = body.rigid_motions()
         allowed, combined = allowed_motions(modes, space)
         scale = float(matrix.diagonal().max(initial=0.0))
-        motions = allowed, coefficients @ combined, np.zeros_like(allowed)
-        self.rigid = rigid_motions(self.name, body.kinematics, self.traces, *motions, scale)
+        springs, combined = np.zeros_like(allowed), coefficients @ combined
+        self.rigid = rigid_motions(self.name, body.kinematics, self.traces, allowed, combined, springs, scale)
         self._system = DenseSystem(self.name, self.stiffness, self.traces, self.rigid)
         self._set_loads()
 
     def refreshed(self, dofs: Any) -> MeshlessProblem:
         other = copy(self)
         other.dofs = self.dofs.refreshed()
-        if not np.array_equal(other.dofs.space.free, self.dofs.space.free):
+        if not np.array_equal(other.dofs.space.free_dofs, self.dofs.space.free_dofs):
             raise ValueError(f"prescribed() of body {self.name!r}: other degrees of freedom are free than before")
         other.traces = [replace(t, offset=other.dofs.space.prescribed(t.side.trace)) for t in self.traces]
         other._system = replace(self._system, traces=other.traces)
