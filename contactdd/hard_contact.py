@@ -51,10 +51,6 @@ class HardContact:
         if self.penalty is not None:
             object.__setattr__(self, "penalty", positive("penalty", self.penalty))
 
-    def augmented(self, facet_stiffness: float) -> AugmentedLayer:
-        """The linear layer between surfaces whose facets have this stiffness E/h."""
-        return AugmentedLayer((self.penalty or PENALTY) * facet_stiffness, self.penalty is not None)
-
 
 @dataclass(frozen=True)
 class AugmentedLayer(LinearLayer):
@@ -68,3 +64,8 @@ class AugmentedLayer(LinearLayer):
     def decomposed(self) -> AugmentedLayer:
         """The same for decomposed methods."""
         return self if self.given else replace(self, stiffness=self.stiffness * DECOMPOSED_PENALTY / PENALTY)
+
+
+def augmented_layer(contact: HardContact, facet_stiffness: float) -> AugmentedLayer:
+    """The linear layer of a hard contact between surfaces whose facets have the stiffness E/h."""
+    return AugmentedLayer((contact.penalty or PENALTY) * facet_stiffness, contact.penalty is not None)

@@ -416,8 +416,8 @@ def test_pulled_apart():
 
 def test_overlap_that_no_pressure_can_close():
     """Both surfaces held in place, an interference between them: told, not answered with any pressure."""
-    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (7, 3)), STEEL, supports=[cd.Symmetry("bottom", "top", "left")])
-    upper = cd.Body("upper", cd.rectangle((0, 1), (4, 2), (11, 3)), STEEL, supports=[cd.Symmetry("top", "bottom", "left")])
+    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (7, 3)), STEEL, supports=[cd.Fixed("bottom", "top")])
+    upper = cd.Body("upper", cd.rectangle((0, 1), (4, 2), (11, 3)), STEEL, supports=[cd.Fixed("top", "bottom")])
     contact = cd.Contact((lower, "top"), (upper, "bottom"), cd.HardContact(), gap=-1e-3)
     solution = cd.solve(cd.Scene([lower, upper], [contact]), on_failure="return")
     assert solution.status == "stalled"

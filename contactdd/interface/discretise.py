@@ -17,7 +17,7 @@ from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
-from ..hard_contact import AugmentedLayer, HardContact
+from ..hard_contact import AugmentedLayer, HardContact, augmented_layer
 from ..layer import Layer
 from ..meshless import MeshlessBody
 from ..quadrature import Quadrature, find_quadrature
@@ -126,7 +126,7 @@ class Interface:
     def with_layer(self, layer: Layer | HardContact) -> Interface:
         """The same interface with the law of another layer."""
         if isinstance(layer, HardContact):
-            layer = layer.augmented(min(float(stiffnesses.max()) for stiffnesses in self._facet_stiffnesses))
+            layer = augmented_layer(layer, min(float(each.max()) for each in self._facet_stiffnesses))
         return replace(self, contact=self.contact.with_law(layer))
 
     def decomposed(self) -> Interface:

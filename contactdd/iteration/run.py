@@ -254,7 +254,9 @@ class Run:
 
     def _bounded(self) -> bool:
         """Whether the displacements are finite and not absurd."""
-        return bool(np.abs(self.state.unknowns).max() < 100 * self._size)  # false also of what is not a number
+        return bool(
+            np.abs(self.state.unknowns).max(initial=0.0) < 100 * self._size
+        )  # false also of what is not a number
 
     def _arrived(self, reason: str, residual: float) -> Termination:
         """The end of a run that has met its rule; residual: ‖F₁'‖, not relative.
