@@ -24,16 +24,25 @@ Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 
 
 class Contact:
-    """The possible contact zone S_αβ of two bodies.
+    """The possible contact zone S_αβ of two bodies: two named surfaces, the layer between them and the gap.
 
-    first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together, or `HardContact()`;
-    gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number, a `Parameter` or a
-    function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
-    do not match; measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for
-    surfaces that fit but whose straight facets do not; search_distance: how far apart partners may be (length), by
-    default the smaller body's size; quadrature: "gauss" (the default), "mortar" (that of hard contact), "vertex" or
-    "facet" (see `quadrature`); quadrature_degree: another degree of exactness; name: by default "first–second" by the
-    bodies' names.
+    Args:
+        first, second: (body, surface name), or a body without a mesh.
+        layer: The law w ↦ σ_n of both surfaces' layers together, or `HardContact()` where there is none.
+        gap: d(x) in addition to the distance of the two meshes (length), negative for an interference: a number, a
+            `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway between the
+            surfaces where their meshes do not match.
+        measure_gap: Whether the distance of the two meshes counts; False takes `gap` alone: for surfaces that coincide
+            in reality but not as straight facets.
+        search_distance: How far apart partners may be (length), by default the smaller body's size.
+        quadrature: Where the law is evaluated: "gauss" (the default) at Gauss points; "mortar" (that of hard contact)
+            at the nodes of one surface, of the softer body or else of the coarser facets; "facet" once per facet;
+            "vertex" at the vertices of facets that match.
+        quadrature_degree: Another degree of exactness than twice the elements' degree.
+        name: By default "first–second" by the bodies' names.
+
+    Raises:
+        TypeError, ValueError: An argument is not what is described here.
     """
 
     def __init__(

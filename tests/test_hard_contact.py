@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
+from dolfinx import mesh as dmesh
+from mpi4py import MPI
 
 import contactdd as cd
 
@@ -250,6 +254,35 @@ def test_energy():
     assert solution.energy == pytest.approx(-solution.elastic_energy(), rel=1e-6)
 
 
+def quarter_ring(inner, outer, cells):
+    """A quarter ring about the origin, straight facets."""
+    grid = [[inner, 0.0], [outer, np.pi / 2]], [5, cells]
+    domain = dmesh.create_rectangle(MPI.COMM_SELF, *grid, dmesh.CellType.quadrilateral)
+    x = domain.geometry.x
+    x[:, 0], x[:, 1] = x[:, 0] * np.cos(x[:, 1]), x[:, 0] * np.sin(x[:, 1])
+    return cd.from_dolfinx(
+        domain,
+        inside=lambda x: np.isclose(np.hypot(x[0], x[1]), inner),
+        outside=lambda x: np.isclose(np.hypot(x[0], x[1]), outer),
+        x=lambda x: np.abs(x[0]) < 1e-9,
+        y=lambda x: np.abs(x[1]) < 1e-9,
+    )
+
+
+@pytest.mark.parametrize("cells", [(12, 17), (24, 24)])
+def test_press_fit(cells):
+    """Lamé's pressure between rings, whose straight facets' sagitta is 17 times the interference at 12 cells."""
+    inner, middle, outer, interference = 10.0, 20.0, 30.0, 0.0025
+    compliance = middle / E * sum((b**2 + a**2) / (b**2 - a**2) for a, b in ((inner, middle), (middle, outer)))
+    kw = {"supports": [cd.Symmetry("x", "y")], "kinematics": "plane stress"}
+    shaft = cd.Body("shaft", quarter_ring(inner, middle, cells[0]), STEEL, **kw)
+    hub = cd.Body("hub", quarter_ring(middle, outer, cells[1]), STEEL, **kw)
+    contact = cd.Contact((shaft, "outside"), (hub, "inside"), cd.HardContact(), gap=-interference)
+    result = cd.solve(cd.Scene([shaft, hub], [contact])).contact()
+    # Five cells through each wall leave 2e-3.
+    assert result.pressure == pytest.approx(interference / compliance, rel=5e-3)
+
+
 class RigidCylinder(cd.MeshlessBody):
     """A rigid cylinder under a force along y, which it may follow."""
 
@@ -377,6 +410,34 @@ def test_refusals(tmp_path):
     layered = cd.Scene([low, high], [cd.Contact(*pair, cd.LinearLayer(1e6))])
     with pytest.raises(ValueError, match="expected a contact with quadrature='mortar'"):
         layered.with_layer(cd.HardContact())
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_any_stack(seed):
+    """Stacks of unlike blocks, materials over four decades, gaps of any kind: action = reaction and complementarity."""
+    rng = np.random.default_rng(seed)
+    kinematics = ("plane strain", "plane stress", "axisymmetric")[seed % 3]
+    bodies, contacts = [], []
+    for i, width in enumerate((4.0, 4.0, rng.uniform(2, 4))):
+        cells, degree = (int(rng.integers(3, 26)), int(rng.integers(1, 6))), int(rng.integers(1, 3))
+        mesh = cd.rectangle((0, i), (width, i + 1), cells, shape=("triangle", "quadrilateral")[rng.integers(2)])
+        held = cd.Symmetry("left", *(["bottom"] if i == 0 else []))
+        load, tilt = 10 ** rng.uniform(-1, 1), rng.uniform(-0.8, 0.8)
+        pressure = cd.Pressure("top", lambda x, q=load, a=tilt: q * (1 + a * np.cos(np.pi * x[0] / 4)))
+        material = cd.Isotropic(10 ** rng.uniform(3, 7), rng.uniform(0, 0.49))
+        kw = {"supports": [held], "loads": [pressure] if i == 2 else [], "degree": degree, "kinematics": kinematics}
+        bodies.append(cd.Body(f"block {i}", mesh, material, **kw))
+    for lower, upper in itertools.pairwise(bodies):
+        depth, middle = 10 ** rng.uniform(-6, -2), rng.uniform(0, 4)
+        gap = (-depth, lambda x, d=depth, c=middle: d * (x[0] - c) ** 2)[rng.integers(2)]
+        pair = [(lower, "top"), (upper, "bottom")][:: rng.choice([1, -1])]
+        contacts.append(cd.Contact(*pair, cd.HardContact(), gap=gap))
+    solution = cd.solve(cd.Scene(bodies, contacts))
+    assert solution.imbalance < 1e-8
+    for index in range(2):
+        result, stiffness = solution.contact(index), solution.interfaces[index].contact.layer.stiffness
+        # min(k z, p) = 0 to the multipliers' tolerance
+        assert np.abs(np.minimum(stiffness * result.gap, result.pressure)).max() < 2e-6 * result.pressure.max()
 
 
 def test_start_from_another_solution():

@@ -20,6 +20,9 @@ from .stopping import StoppingCriterion, Termination
 #: The last change of the multipliers, and what all later ones would add to it, relative to the largest pressure.
 SETTLED = 1e-6
 
+#: Pressures below this part of another contact's are not resolved relative to themselves.
+FAINT = 1e-4
+
 #: Updates of the multipliers; each leaves about a tenth of the change before, or they do not settle at all.
 MOST_UPDATES = 100
 
@@ -85,11 +88,16 @@ class AugmentedRun:
         return [np.maximum(-z, 0.0) if i.hard else np.zeros_like(z) for i, z in state]
 
     def _change(self) -> float:
-        """By how much the multipliers are not the pressures, relative to the largest pressure of hard contacts."""
+        """By how much the multipliers are not the pressures, relative to the largest pressure of each hard contact.
+
+        A contact that hardly presses beside the others is compared with a part of theirs.
+        """
         contacts = list(zip(self.ensemble.interfaces, self._multipliers(), self.state.shifts, strict=True))
-        changes = [i.contact.layer.stiffness * np.abs(new - old).max() for i, new, old in contacts if i.hard]
-        largest = [i.contact.layer.stiffness * max(new.max(), old.max()) for i, new, old in contacts if i.hard]
-        return float(max(changes) / max(largest)) if max(largest) > 0.0 else 0.0
+        hard = [(i.contact.layer.stiffness, new, old) for i, new, old in contacts if i.hard]
+        changes = np.array([k * np.abs(new - old).max() for k, new, old in hard])
+        largest = np.array([k * max(new.max(), old.max()) for k, new, old in hard])
+        scales = np.maximum(largest, FAINT * largest.max())
+        return float((changes / scales).max()) if np.any(largest) else 0.0
 
     def _shifted(self, state: State, shifts: list[Floats]) -> State:
         """The same displacements with other multipliers."""
