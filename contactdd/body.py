@@ -29,12 +29,30 @@ LARGEST_DEGREE = 15
 
 
 class Body:
-    """One elastic body Ω_α.
+    """One elastic body Ω_α, eqs. (1)–(6).
 
-    name: unique in a scene; mesh: a `Mesh`; material: its law (2); supports, loads: what holds and pushes it;
-    degree: of the Lagrange elements; kinematics: "plane strain" (default in the plane), "plane stress", "axisymmetric"
-    (x[0] is the radius r >= 0, x[1] the axis; no torsion; energies and forces are those of the full ring) or "solid".
     Lengths, stresses and loads are in the user's own consistent set of units.
+
+    Args:
+        name: Unique in a scene.
+        mesh: Its mesh with named surfaces.
+        material: Hooke's law (2).
+        supports: A list of supports.
+        loads: A list of loads.
+        degree: Of the Lagrange elements.
+        kinematics: "plane strain" (default in the plane), "plane stress", "axisymmetric" (x[0] is the radius r >= 0,
+            x[1] the axis; no torsion; energies and forces are those of the full ring) or "solid".
+        local_solver: How this body is solved, whatever the others are: the name of a local solver, or a function of a
+            `LocalTask` that makes a `LocalProblem`; by default what `solve` is asked for.
+
+    Raises:
+        TypeError, ValueError: An argument can be none of these, or names a surface that the mesh does not have.
+
+    Example:
+        >>> import contactdd as cd
+        >>> mesh = cd.rectangle((0, 0), (2, 1), (4, 2))
+        >>> cd.Body("block", mesh, cd.Isotropic(E=2.1e5, nu=0.3), supports=[cd.Fixed("bottom")]).dofs
+        30
     """
 
     def __init__(
@@ -87,7 +105,11 @@ class Body:
         return self.elements.dofs
 
     def area(self, surface: str) -> float:
-        """The area of a named surface, its length in the plane, that of the full ring in a body of revolution."""
+        """The area of a named surface, its length in the plane, that of the full ring in a body of revolution.
+
+        Args:
+            surface: The name of the surface.
+        """
         return self.elements.area(surface)
 
     def rigid_modes(self) -> Floats:
@@ -105,7 +127,11 @@ class Body:
         """The matrices `reduce(C)`, C the material's stiffness (..., 6, 6), as a UFL coefficient.
 
         A constant material gives a constant, so that other numbers compile nothing anew; one that varies is evaluated
-        at the points of a scalar `element`.
+        at the points of an element.
+
+        Args:
+            reduce: From the stiffness (..., 6, 6) to the matrices that are wanted.
+            element: A scalar element, for a material that varies.
         """
         domain = self.mesh.domain
         if not self.material.varies:
@@ -124,11 +150,20 @@ class Body:
         return 2 * self.degree + 1
 
     def stress(self, u: Any) -> Any:
-        """Hooke's law (2): the stresses of the free Voigt components, a UFL vector."""
+        """The stresses of the free Voigt components, a UFL vector: Hooke's law (2).
+
+        Args:
+            u: A displacement in UFL.
+        """
         return self.stiffness * self.kinematics.strain(u)
 
     def elastic_form(self, u: Any, v: Any) -> ufl.Form:
-        """∫ σ(u) : ε(v) dx, which with the springs is a(u, v)."""
+        """The UFL form ∫ σ(u) : ε(v) dx, which with the springs is a(u, v).
+
+        Args:
+            u: A displacement.
+            v: A test function.
+        """
         return self.elements.over_volume(ufl.inner(self.stress(u), self.kinematics.strain(v)), self.elastic_metadata)
 
     @property
@@ -145,11 +180,24 @@ class Body:
         return {"quadrature_degree": 2 * self.degree} if tensor and straight and not self.kinematics.ring else None
 
     def spring_forms(self, u: Any, v: Any) -> list[ufl.Form]:
-        """∫ k u·v ds of every spring. Forms are kept apart so that no combination of them is compiled anew."""
+        """The UFL forms ∫ k u·v ds of every spring, kept apart so that no combination of them is compiled anew.
+
+        Args:
+            u: A displacement.
+            v: A test function.
+        """
         return [support.form(self.elements, u, v) for support in self.supports if isinstance(support, Spring)]
 
     def robin_form(self, u: Any, v: Any, phi: Any, surface: str, metadata: dict[str, Any]) -> ufl.Form:
-        """∫ φ u_n v_n ds over a contact surface: the Robin term of (22), (32), (36)."""
+        """The UFL form ∫ φ u_n v_n ds over a contact surface: the Robin term of (22), (32), (36).
+
+        Args:
+            u: A displacement.
+            v: A test function.
+            phi: The Robin coefficient φ (stress / length).
+            surface: The name of the surface.
+            metadata: The quadrature of the measure.
+        """
         n = ufl.FacetNormal(self.mesh.domain)
         return self.elements.over_surface(phi * ufl.dot(u, n) * ufl.dot(v, n), surface, metadata)
 

@@ -32,8 +32,8 @@ class Contact:
         gap: d(x) in addition to the distance of the two meshes (length), negative for an interference: a number, a
             `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway between the
             surfaces where their meshes do not match.
-        measure_gap: Whether the distance of the two meshes counts; False takes `gap` alone: for surfaces that coincide
-            in reality but not as straight facets.
+        measure_gap: Whether the distance of the two meshes counts, where they do not match that of the smooth surfaces
+            behind their facets; False takes `gap` alone.
         search_distance: How far apart partners may be (length), by default the smaller body's size.
         quadrature: Where the law is evaluated: "gauss" (the default) at Gauss points; "mortar" (that of hard contact)
             at the nodes of one surface, of the softer body or else of the coarser facets; "facet" once per facet;

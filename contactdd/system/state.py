@@ -15,10 +15,11 @@ Phi = Mapping[int, Floats]
 class State:
     """An iterate.
 
-    unknowns: (unknowns,) of all bodies; deformation: (unknowns,) the same without the rigid motions of floating bodies,
-    which may be so much larger that their rounding alone would look like a force; gaps, previous_gaps: z^k, z^{k−1} of
-    every interface; shifts: the multipliers of hard contacts over k, (points,) of every interface, by which the gaps
-    here are smaller than those of the bodies; empty where no contact is hard.
+    unknowns: (unknowns,) of all bodies, beside what is prescribed and carried along; deformation: (unknowns,) the same
+    without the bodies' free rigid motions, which may be so much larger that their rounding alone would look like a
+    force; gaps, previous_gaps: z^k, z^{k−1} of every interface; shifts: the multipliers of hard contacts over k,
+    (points,) of every interface, by which the gaps here are smaller than those of the bodies; empty where no contact
+    is hard.
     """
 
     unknowns: Floats
