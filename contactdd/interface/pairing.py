@@ -5,7 +5,8 @@ with the same weights: action equals reaction, in force and in moment, and nothi
 
 The law holds at every point of every segment, so a layer much stiffer than the facets (its stiffness times their size
 over E above about 10) asks for more than linear elements can give: the pressure then wavers from point to point around
-the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer than degree 1 with the same error.
+the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer than degree 1 with the same error. The
+result then gives the projected pressure; the quadrature "mortar" asks at the nodes of one surface only (`nodal`).
 """
 
 from __future__ import annotations
