@@ -100,13 +100,24 @@ class Contact:
         return self.search_distance or min(body.mesh.size for body, _ in self.sides if body.mesh is not None)
 
     def resampled(self, degree: int) -> Contact:
-        """The same contact at Gauss points of another degree."""
+        """The same contact at Gauss points of another degree.
+
+        Args:
+            degree: The degree of exactness.
+        """
         other = copy(self)
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
 
     def with_layer(self, layer: Layer | HardContact) -> Contact:
-        """The same contact with another layer."""
+        """The same contact with another layer.
+
+        Args:
+            layer: The new law, or `HardContact()` if the quadrature is "mortar".
+
+        Raises:
+            TypeError, ValueError: It is none, or the quadrature does not suit it.
+        """
         _check_layer(layer)
         if isinstance(layer, HardContact) and not RULES[self.quadrature].of_nodes:
             raise ValueError(
@@ -116,7 +127,11 @@ class Contact:
         return self.with_law(layer)
 
     def with_law(self, layer: Layer | HardContact) -> Contact:
-        """The same contact with a layer that fits it."""
+        """The same contact with a layer that fits it.
+
+        Args:
+            layer: The new law, not checked.
+        """
         other = copy(self)
         other.layer = layer
         return other
