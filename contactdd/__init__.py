@@ -6,7 +6,7 @@ The way of the data: mesh and material → body → contact → scene → solve 
 """
 
 from importlib import import_module
-from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
 
@@ -16,13 +16,14 @@ from .contact import Contact
 from .errors import (
     CheckpointError,
     ContactError,
+    LayerRangeWarning,
     LooseBodyError,
     MeshMismatchError,
     NoEquilibriumError,
     NotConvergedError,
 )
 from .history import History, Record
-from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
+from .layer import Layer, LinearLayer, PowerLayer
 from .load import BodyForce, Pressure, Resultant, Traction
 from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
@@ -33,6 +34,30 @@ from .scheme import SCHEMES, Scheme, one_point
 from .solution import ContactResult, Solution
 from .solve import solve
 from .support import Displacement, Fixed, Spring, Symmetry
+
+if TYPE_CHECKING:
+    from . import reference
+    from .layers.custom import CustomLayer
+    from .layers.exponential import ExponentialLayer, OverclosureLayer
+    from .layers.hyperbolic import HyperbolicLayer
+    from .layers.logarithmic import LogarithmicLayer
+    from .layers.rough import GreenwoodWilliamsonLayer
+    from .layers.series import SeriesLayer
+    from .layers.table import TableLayer
+    from .layers.varying import VaryingLayer
+
+#: Where the layer laws are that most scenes don't use: imported when first asked for.
+_LAWS = {
+    "CustomLayer": "custom",
+    "ExponentialLayer": "exponential",
+    "GreenwoodWilliamsonLayer": "rough",
+    "HyperbolicLayer": "hyperbolic",
+    "LogarithmicLayer": "logarithmic",
+    "OverclosureLayer": "exponential",
+    "SeriesLayer": "series",
+    "TableLayer": "table",
+    "VaryingLayer": "varying",
+}
 
 __all__ = [
     "SCHEMES",
@@ -45,11 +70,16 @@ __all__ = [
     "ContactResult",
     "CustomLayer",
     "Displacement",
+    "ExponentialLayer",
     "Fixed",
+    "GreenwoodWilliamsonLayer",
     "History",
+    "HyperbolicLayer",
     "Isotropic",
     "Layer",
+    "LayerRangeWarning",
     "LinearLayer",
+    "LogarithmicLayer",
     "LooseBodyError",
     "Material",
     "Mesh",
@@ -57,6 +87,7 @@ __all__ = [
     "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
+    "OverclosureLayer",
     "Parameter",
     "Path",
     "PowerLayer",
@@ -65,12 +96,14 @@ __all__ = [
     "Resultant",
     "Scene",
     "Scheme",
+    "SeriesLayer",
     "Solution",
     "Spring",
     "StepFailedError",
     "Symmetry",
     "TableLayer",
     "Traction",
+    "VaryingLayer",
     "box",
     "compat",
     "from_dolfinx",
@@ -84,8 +117,15 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> ModuleType:
-    """The module `reference`, imported when first asked for: solving needs none of what it imports."""
+def __getattr__(name: str) -> Any:
+    """The module `reference` or a layer law, imported when first asked for: solving needs none of what they import."""
     if name == "reference":
         return import_module(".reference", __name__)
+    if name in _LAWS:
+        return getattr(import_module(f".layers.{_LAWS[name]}", __name__), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """The public names, also of what isn't imported yet."""
+    return sorted({*globals(), *__all__})

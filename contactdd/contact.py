@@ -20,7 +20,8 @@ Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 class Contact:
     """The possible contact zone S_αβ of two bodies.
 
-    first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
+    first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together, which begins where
+    the gap is the layer's clearance, 0 for most: all gaps of a solution count from there;
     gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number, a `Parameter` or a
     function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
     do not match; measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for
@@ -76,6 +77,11 @@ class Contact:
         other = copy(self)
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
+
+    def at(self, x: np.ndarray) -> Contact:
+        """The same contact with the layer that it has at the points x (dim, n); itself, where that doesn't vary."""
+        layer = self.layer.at(x)
+        return self if layer is self.layer else self.with_layer(layer)
 
     def with_layer(self, layer: Layer) -> Contact:
         """The same contact with another layer."""

@@ -6,6 +6,7 @@ import itertools
 import math
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from .base.checks import as_count, check_choice, finite, positive
 from .base.ranks import Ranks
-from .errors import NoEquilibriumError, NotConvergedError
+from .errors import LayerRangeWarning, NoEquilibriumError, NotConvergedError
 from .history import Record
 from .iteration.checkpoint import CheckpointWriter, read
 from .iteration.progress import Progress
@@ -75,6 +76,8 @@ def solve(
         interrupted; resume: go on from that file, to the same digits, if it is there.
     time_limit: seconds after which the run stops with the status "stopped".
 
+    Warns (`LayerRangeWarning`) where a layer is compressed further than its law is known.
+
     Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
     CheckpointError for a checkpoint that is damaged or of another run.
     """
@@ -106,6 +109,8 @@ def solve(
 
         ending = run.iterate(relaxation, rule, observe)
     solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
+    for note in solution.notes if ending.status == "converged" and ranks.comm.rank == 0 else ():
+        warnings.warn(note, LayerRangeWarning, stacklevel=2)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
         if ending.escape is not None:
             raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution)
