@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import doctest
+import importlib
 import math
 
 import mpmath
@@ -114,7 +116,7 @@ def pairs(draw):
 
 
 @every_law
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(pair=pairs())
 def test_all_functions_in_50_digits(name, pair):
     law, length, exact_of, tolerance = LAWS[name]
@@ -129,7 +131,7 @@ def test_all_functions_in_50_digits(name, pair):
 
 
 @every_law
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(exponent=st.floats(-8, 0))
 def test_inverse_in_50_digits(name, exponent):
     law, length, exact_of, _ = LAWS[name]
@@ -218,18 +220,13 @@ def test_bonded_foundation_is_the_long_wave_limit_of_an_elastic_sheet(nu):
     k, h, mu = cd.LinearLayer.elastic_foundation(10.0, nu, 0.5).stiffness, 0.5, 10 / (2 * (1 + nu))
 
     def compliance(x):  # x = κh
-        s, c = mp.sinh(2 * x), mp.cosh(2 * x)
-        return (
-            (1 - nu)
-            * h
-            / (mu * x)
-            * ((3 - 4 * nu) * s - 2 * x)
-            / ((3 - 4 * nu) * c + 2 * x**2 + 5 - 12 * nu + 8 * nu**2)
-        )
+        sinh, cosh = mp.sinh(2 * x), mp.cosh(2 * x)
+        below = (3 - 4 * nu) * cosh + 2 * x**2 + 5 - 12 * nu + 8 * nu**2
+        return (1 - nu) * h / (mu * x) * ((3 - 4 * nu) * sinh - 2 * x) / below
 
     errors = [abs(float(compliance(mpmath.mpf(x))) * k - 1) for x in (0.02, 0.01)]
     assert errors[1] < 2e-3
-    assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.02)
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(2.0 if nu else 4.0, abs=0.02)  # ν = 0: no bulging
 
 
 def test_sliding_foundation_and_its_range():
@@ -274,10 +271,8 @@ def test_series_adds_compressions_at_equal_pressure(layer):
     np.testing.assert_allclose(layer.divided_difference(-c, -c), 1 / soft, rtol=1e-11)
     rise = np.diff(p) / np.diff(c)
     np.testing.assert_allclose(layer.divided_difference(-c[1:], -c[:-1]), rise, rtol=1e-11)
-    # ∫ p dc = p c - ∫ c dp layer by layer.
-    np.testing.assert_allclose(
-        layer.energy(-c), sum(each.energy(each.compression(-p)) for each in layer.layers), rtol=1e-12
-    )
+    energies = [each.energy(each.compression(-p)) for each in layer.layers]
+    np.testing.assert_allclose(layer.energy(-c), sum(energies), rtol=1e-12)
     assert np.isnan(layer.contact_stress(np.nan))
     assert layer.contact_stress(0.0) == 0
 
@@ -363,14 +358,10 @@ def test_table_end_slope_does_not_depend_on_units():
 def test_table_with_a_tiny_point_is_a_number():
     layer = cd.TableLayer([1e-300, 1e-5], [1e-300, 10.0])
     z = -np.array([1e-310, 1e-300, 1e-20, 1e-6, 1e-5, 1e-3])
-    for values in (
-        layer.contact_stress(z),
-        layer.energy(z),
-        layer.contact_derivative(z),
-        layer.divided_difference(z, z / 3),
-    ):
-        assert np.all(np.isfinite(values))
-    assert float(layer.contact_stress(-1e-5)) == -10.0
+    for function in (layer.contact_stress, layer.energy, layer.contact_derivative):
+        assert np.all(np.isfinite(function(z)))
+    assert np.all(np.isfinite(layer.divided_difference(z, z / 3)))
+    assert float(layer.contact_stress(-1e-5)) == pytest.approx(-10.0, rel=1e-14)
 
 
 def test_table_of_straight_lines_is_interpolated():
@@ -394,7 +385,7 @@ def test_measured_table_is_put_in_order():
     rising = c > 0.4
     found = -layer.contact_stress(-c[rising] - layer.clearance)
     assert np.abs(found - p[rising]).max() < 0.4  # twice the noise
-    with pytest.raises(ValueError, match=r"row 4 is 0\.5 off any increasing curve"):
+    with pytest.raises(ValueError, match=r"row 3 is 0\.5 off any increasing curve"):
         cd.TableLayer.from_measurement([0, 0.1, 0.2, 0.3, 0.4], [0, 1.0, 5.0, 4.0, 9.0], noise=0.2)
 
 
@@ -455,7 +446,7 @@ REFUSED = [
     (
         lambda: cd.TableLayer([0.1, 0.2, 0.2], [1, 2, 3]),
         ValueError,
-        r"0\.2 comes after 0\.2; cd\.TableLayer\.from_meas",
+        r"0\.2 comes after 0\.2; cd\.TableLayer\.from",
     ),
     (lambda: cd.TableLayer.from_measurement([0, 1], [0, 0]), ValueError, "none is above the noise"),
     (lambda: cd.TableLayer.from_measurement([0, 1], [0.5, 1]), ValueError, "row 1; expected a first row without"),
@@ -485,6 +476,8 @@ def column(layer, closure, gap=0.0):
 
 
 COLUMNS = {name: (law, 0.3 * length) for name, (law, length, *_) in LAWS.items()}
+COLUMNS["exponential"] = (LAWS["exponential"][0], 5e-3)
+COLUMNS["overclosure"] = (LAWS["overclosure"][0], 5e-3)
 COLUMNS["rough"] = (LAWS["rough"][0], 8e-3)
 COLUMNS["series"] = (SERIES["a wall and a line"], 1e-3)
 COLUMNS["table"] = (cd.TableLayer([1e-4, 3e-4], [10.0, 100.0], clearance=2e-4), 5e-4)
@@ -506,3 +499,12 @@ def test_column_in_closed_form(name, method):
     # The residual is relative to the forces; the chord method with 0.6 stops where the last change is below it.
     np.testing.assert_allclose(solution.contact().pressure, p, rtol=1e-8)
     assert not solution.notes
+
+
+@pytest.mark.parametrize(
+    "module", ["custom", "exponential", "hyperbolic", "logarithmic", "rough", "series", "table", "varying"]
+)
+def test_docstring_examples(module):
+    found = doctest.testmod(importlib.import_module(f"contactdd.layers.{module}"))
+    assert found.attempted > 0
+    assert found.failed == 0
