@@ -5,6 +5,7 @@
 The way of the data: mesh and material → body → contact → scene → solve → solution → picture.
 """
 
+import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +13,13 @@ __version__ = "0.1.0"
 
 from .base import compat
 from .body import Body
+from .body_result import BodyResult
 from .contact import Contact
+from .contact_result import ContactResult
 from .errors import (
     CheckpointError,
     ContactError,
+    LargeStrainWarning,
     LayerRangeWarning,
     LooseBodyError,
     MeshMismatchError,
@@ -25,15 +29,23 @@ from .errors import (
 from .history import History, Record
 from .layer import Layer, LinearLayer, PowerLayer
 from .load import BodyForce, Pressure, Resultant, Traction
+from .local.choose import LOCAL_SOLVERS, register_local_solver
+from .local.dense import DenseSystem
+from .local.problem import ContactTrace, Fields, LocalProblem
+from .local.reduced import ReducedProblem
+from .local.task import LocalTask
 from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .meshless import MeshlessBody
 from .parameter import Parameter
-from .programme import Path, StepFailedError, programme
+from .programme import LoadPath, StepFailedError, programme
+from .saved import SavedSolution, load_solution
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
-from .solution import ContactResult, Solution
+from .solution import Solution
 from .solve import solve
 from .support import Displacement, Fixed, Spring, Symmetry
+from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from . import reference
@@ -60,46 +72,58 @@ _LAWS = {
 }
 
 __all__ = [
+    "LOCAL_SOLVERS",
     "SCHEMES",
     "Anisotropic",
     "Body",
     "BodyForce",
+    "BodyResult",
     "CheckpointError",
     "Contact",
     "ContactError",
     "ContactResult",
+    "ContactTrace",
     "CustomLayer",
+    "DenseSystem",
     "Displacement",
     "ExponentialLayer",
+    "Fields",
     "Fixed",
     "GreenwoodWilliamsonLayer",
     "History",
     "HyperbolicLayer",
     "Isotropic",
+    "LargeStrainWarning",
     "Layer",
     "LayerRangeWarning",
     "LinearLayer",
+    "LoadPath",
+    "LocalProblem",
+    "LocalTask",
     "LogarithmicLayer",
     "LooseBodyError",
     "Material",
     "Mesh",
     "MeshMismatchError",
+    "MeshlessBody",
     "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
     "OverclosureLayer",
     "Parameter",
-    "Path",
     "PowerLayer",
     "Pressure",
     "Record",
+    "ReducedProblem",
     "Resultant",
+    "SavedSolution",
     "Scene",
     "Scheme",
     "SeriesLayer",
     "Solution",
     "Spring",
     "StepFailedError",
+    "SurfaceResult",
     "Symmetry",
     "TableLayer",
     "Traction",
@@ -108,21 +132,26 @@ __all__ = [
     "compat",
     "from_dolfinx",
     "from_gmsh",
+    "load_solution",
     "one_point",
     "programme",
     "read_gmsh",
     "rectangle",
     "reference",
+    "register_local_solver",
     "solve",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    """The module `reference` or a layer law, imported when first asked for: solving needs none of what they import."""
+    """The module `reference` or a layer law, imported when first asked for, as solving needs neither; old names."""
     if name == "reference":
         return import_module(".reference", __name__)
     if name in _LAWS:
         return getattr(import_module(f".layers.{_LAWS[name]}", __name__), name)
+    if name == "Path":
+        warnings.warn("cd.Path is now called cd.LoadPath", DeprecationWarning, stacklevel=2)
+        return LoadPath
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -11,9 +12,12 @@ from .base.checks import as_count, check_choice, positive
 from .body import Body
 from .field import check_field
 from .layer import Layer
+from .meshless import MeshlessBody
 from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
 
+#: A body's side of a contact: a body and the name of its surface, or a body without a mesh.
+Side = tuple[Body, str] | MeshlessBody
 Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 
 
@@ -32,8 +36,8 @@ class Contact:
 
     def __init__(
         self,
-        first: tuple[Body, str],
-        second: tuple[Body, str],
+        first: Side,
+        second: Side,
         layer: Layer,
         *,
         gap: Gap = 0.0,
@@ -43,34 +47,33 @@ class Contact:
         quadrature_degree: int | None = None,
         name: str | None = None,
     ) -> None:
-        for side, value in (("first", first), ("second", second)):
-            if not (isinstance(value, tuple) and len(value) == 2 and isinstance(value[0], Body)):
-                raise TypeError(f"{side} = {value!r}: expected (body, surface name)")
-            if len(value[0].mesh.facets(value[1])) == 0:
-                raise ValueError(f"{side}: surface {value[1]!r} of body {value[0].name!r} has no facets")
+        sides = _checked_side("first", first), _checked_side("second", second)
+        bodies = [body for body, _ in sides]
+        if all(body.mesh is None for body in bodies):
+            raise ValueError(f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one body with a mesh")
         _check_layer(layer)
         check_field("gap", gap)
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
         check_choice("quadrature", quadrature, RULES)
-        if quadrature == "vertex" and first[0].kinematics.ring:
+        if quadrature == "vertex" and bodies[0].kinematics.ring:
             raise ValueError(
                 "quadrature = 'vertex' between bodies of revolution: the vertices alone do not integrate 2πr v; "
                 "expected 'gauss' or 'facet'"
             )
-        self.sides = (first, second)
+        self.sides = sides
         self.layer = layer
         self.gap = gap
         self.measure_gap = bool(measure_gap)
         self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
         self.quadrature_degree = None if quadrature_degree is None else as_count("quadrature_degree", quadrature_degree)
-        self.name = name or f"{first[0].name}–{second[0].name}"
+        self.name = name or f"{bodies[0].name}–{bodies[1].name}"
 
     @property
     def reach(self) -> float:
         """How far apart partners may be."""
-        return self.search_distance or min(body.mesh.size for body, _ in self.sides)
+        return self.search_distance or min(body.mesh.size for body, _ in self.sides if body.mesh is not None)
 
     def resampled(self, degree: int) -> Contact:
         """The same contact at Gauss points of another degree."""
@@ -99,6 +102,18 @@ class Contact:
     def __repr__(self) -> str:
         zones = " and ".join(f"{body.name}.{surface}" for body, surface in self.sides)
         return f"Contact({self.name!r}: {zones}, {self.layer!r})"
+
+
+def _checked_side(name: str, side: Side) -> tuple[Any, str]:
+    """A side of a contact as (body, surface name); a body without a mesh stands for its whole surface."""
+    if isinstance(side, MeshlessBody):
+        return side, ""
+    if not (isinstance(side, tuple) and len(side) == 2 and isinstance(side[0], Body)):
+        raise TypeError(f"{name} = {side!r}: expected (body, surface name), or a body without a mesh")
+    body, surface = side
+    if len(body.mesh.facets(surface)) == 0:
+        raise ValueError(f"{name}: surface {surface!r} of body {body.name!r} has no facets")
+    return body, surface
 
 
 def _check_layer(layer: Layer) -> None:

@@ -99,7 +99,8 @@ class Elements:
         entities = self.mesh.entities(surface)
         if len(entities) == 0:
             raise ValueError(f"surface = {surface!r} of body {self.name!r}: it has no facets")
-        points, weights = basix.make_quadrature(facet_type(self.domain), self.area_metadata["quadrature_degree"])
+        degree = self.area_metadata["quadrature_degree"]
+        points, weights = map(np.asarray, basix.make_quadrature(facet_type(self.domain), degree))
         at = surface_points(self.domain, entities, points)
         return float(np.sum(np.tile(weights, len(entities)) * at.area * self.kinematics.weight(at.x.T)))
 

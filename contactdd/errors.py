@@ -58,3 +58,7 @@ class LayerRangeWarning(UserWarning):
 
 class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
+
+
+class LargeStrainWarning(UserWarning):
+    """Strains or rotations of a solution are so large that linear theory, and with it the solution, is doubtful."""

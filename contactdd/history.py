@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import astuple, dataclass, fields
+from html import escape
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .base.table import frame, write_csv
 
 
 @dataclass(frozen=True)
@@ -59,6 +65,24 @@ class History:
             raise AttributeError(f"{name!r}: expected one of {', '.join(COLUMNS)}")
         return np.array([getattr(record, name) for record in self._records])
 
+    def columns(self) -> dict[str, Any]:
+        """The records as columns by name: what `frame` and `to_csv` hold."""
+        return {name: [getattr(record, name) for record in self._records] for name in COLUMNS}
+
+    def frame(self) -> Any:
+        """The history as a pandas DataFrame, one row per iteration. Raises ImportError where pandas is missing."""
+        return frame(self.columns())
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """The CSV file written, one line per iteration."""
+        return write_csv(path, self.columns())
+
+    def plot(self, *, quantity: str = "residual", path: str | os.PathLike[str] | None = None) -> Any:
+        """A matplotlib figure of the "residual" or the "change" in every iteration, with the fitted rate."""
+        from .view.convergence_plot import plot_convergence
+
+        return plot_convergence({"": getattr(self, quantity)}, quantity=quantity, path=path)
+
     def table(self, last: int | None = None) -> str:
         """The (last) iterations as text."""
         rows = self._records if last is None else self._records[-last:]
@@ -69,7 +93,7 @@ class History:
         return f"History of {len(self)} iterations\n{self.table(last=10)}"
 
     def _repr_html_(self) -> str:
-        cells = [[f"<td>{_cell(value)}</td>" for value in astuple(row)] for row in self._records]
+        cells = [[f"<td>{escape(_cell(value))}</td>" for value in astuple(row)] for row in self._records]
         head = "".join(f"<th>{name}</th>" for name in COLUMNS)
         return f"<table><tr>{head}</tr>{''.join('<tr>' + ''.join(row) + '</tr>' for row in cells)}</table>"
 

@@ -6,7 +6,6 @@ displacement (3), and what volume a point of the mesh stands for. Everything els
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -111,7 +110,7 @@ class Kinematics:
             return np.array([*signs, signs[1] * signs[0]])
         return np.array([*signs, signs[2] * signs[1], signs[0] * signs[2], signs[1] * signs[0]])
 
-    def describe(self, mode: Sequence[float]) -> str:
+    def describe(self, mode: NDArray[np.float64]) -> str:
         """A rigid motion, given by its coefficients in `rigid_modes`, in words."""
         if self.ring:
             return "translation along the axis"

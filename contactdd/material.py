@@ -32,7 +32,10 @@ PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
 
 class Material(ABC):
-    """A linear elastic material, its stiffness a symmetric positive definite tensor C_ijkl(x)."""
+    """A linear elastic material, its stiffness a symmetric positive definite tensor C_ijkl(x), eqs. (2), (4).
+
+    A subclass gives `_stiffness(x)`; its constants are numbers or functions of the coordinates x (3, points).
+    """
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -46,10 +49,16 @@ class Material(ABC):
         return any(callable(value) for value in vars(self).values())
 
     def stiffness(self, x: Floats | None = None) -> Floats:
-        """C in Voigt's notation (stress units): stresses = C @ engineering strains, in the order of `VOIGT`.
+        """The stiffness C in Voigt's notation (stress): stresses = C @ engineering strains, in the order of `VOIGT`.
 
-        Shape (6, 6), or (points, 6, 6) at points x (3, points), which a material that varies needs. Raises ValueError
-        for constants that no elastic material has (4).
+        Args:
+            x: Points (3, points), which a material that varies needs.
+
+        Returns:
+            Shape (6, 6), or (points, 6, 6) at points.
+
+        Raises:
+            ValueError: The constants are none that an elastic material has (4).
         """
         if x is not None:
             return self._stiffness(x)
@@ -58,15 +67,20 @@ class Material(ABC):
         return self._stiffness(np.zeros((3, 1)))[0]
 
     def tensor(self, x: Floats | None = None) -> Floats:
-        """C_ijkl (stress units), shape (3, 3, 3, 3), or (points, 3, 3, 3, 3) at points x (3, points)."""
+        """The stiffness tensor C_ijkl (stress), shape (3, 3, 3, 3), or (points, 3, 3, 3, 3) at points.
+
+        Args:
+            x: Points (3, points), which a material that varies needs.
+        """
         return self.stiffness(x)[..., PLACE[:, :, None, None], PLACE[None, None]]
 
     def rotated(self, rotation: ArrayLike | Callable[[Floats], Any]) -> Rotated:
         """The same material with its axes turned.
 
-        rotation: an angle about z (radians, counter-clockwise in the plane) or an orthogonal (3, 3) matrix whose
-        columns are the new directions of the material axes; or a function of x (3, points) that gives (points,) angles
-        or (3, 3, points) matrices.
+        Args:
+            rotation: An angle about z (radians, counter-clockwise in the plane) or an orthogonal (3, 3) matrix whose
+                columns are the new directions of the material axes; or a function of x (3, points) that gives
+                (points,) angles or (3, 3, points) matrices.
         """
         return Rotated(self, rotation)
 
@@ -77,7 +91,19 @@ class Material(ABC):
 
 @dataclass(frozen=True)
 class Isotropic(Material):
-    """An isotropic material: Young's modulus E > 0 (stress units), Poisson's ratio -1 < nu < 0.5."""
+    """An isotropic material.
+
+    Args:
+        E: Young's modulus > 0 (stress), a number or a function of the coordinates x (3, points).
+        nu: Poisson's ratio, −1 < nu < 0.5, likewise.
+
+    Raises:
+        TypeError, ValueError: A constant is out of range, with its place where it is a function.
+
+    Example:
+        >>> Isotropic(E=2.1e5, nu=0.3).stiffness().shape
+        (6, 6)
+    """
 
     E: Number
     nu: Number
@@ -95,9 +121,17 @@ class Isotropic(Material):
 class Orthotropic(Material):
     """An orthotropic material with its axes 1, 2, 3 along x, y, z (turn it with `rotated`).
 
-    E1, E2, E3: Young's moduli; G12, G13, G23: shear moduli (stress units); nu_ij: Poisson's ratios, the contraction
-    along j per unit of extension along i, so that nu_ij / E_i = nu_ji / E_j. An elastic material has
-    nu_ij² < E_i / E_j and 1 − ν12ν21 − ν23ν32 − ν13ν31 − 2 ν21ν32ν13 > 0.
+    An elastic material has nu_ij² < E_i / E_j and 1 − ν12ν21 − ν23ν32 − ν13ν31 − 2 ν21ν32ν13 > 0. Every constant is a
+    number or a function of the coordinates x (3, points).
+
+    Args:
+        E1, E2, E3: Young's moduli (stress).
+        nu12, nu13, nu23: Poisson's ratios: nu_ij is the contraction along j per unit of extension along i, so that
+            nu_ij / E_i = nu_ji / E_j.
+        G12, G13, G23: Shear moduli (stress).
+
+    Raises:
+        TypeError, ValueError: The constants are none of an elastic material.
     """
 
     E1: Number
@@ -137,10 +171,14 @@ class Orthotropic(Material):
 
 @dataclass(frozen=True, eq=False)
 class Anisotropic(Material):
-    """A material with any symmetric positive definite stiffness (stress units).
+    """A material with any symmetric positive definite stiffness.
 
-    C: a 6 × 6 matrix between stresses and engineering strains in the order xx, yy, zz, yz, xz, xy, or the tensor
-    C_ijkl, shape (3, 3, 3, 3); or a function of x (3, points) with such values, the points last.
+    Args:
+        C: A 6 × 6 matrix (stress) between stresses and engineering strains in the order xx, yy, zz, yz, xz, xy, or the
+            tensor C_ijkl, shape (3, 3, 3, 3); or a function of x (3, points) with such values, the points last.
+
+    Raises:
+        TypeError, ValueError: C is not symmetric or not positive definite.
     """
 
     C: ArrayLike | Callable[[Floats], Any]

@@ -15,13 +15,20 @@ from .base.checks import as_floats
 class Parameter:
     """A number (or an array) that loads, prescribed displacements and gaps may have as their value.
 
-    Setting `value` to another one is all that is needed before the next solve: stiffnesses, factorisations and contacts
-    are kept. Solutions found before keep the value that they were found with.
+    Setting `value` to another one is all that is needed before the next solve: stiffnesses, factorisations and
+    contacts are kept. Solutions found before keep the value that they were found with.
 
-    >>> q = Parameter(10.0)
-    >>> q.value = 20.0
-    >>> q
-    Parameter(20.0)
+    Args:
+        value: The value at first, in the unit of what follows it.
+
+    Raises:
+        TypeError, ValueError: The value is no finite number or array of such.
+
+    Example:
+        >>> q = Parameter(10.0)
+        >>> q.value = 20.0
+        >>> q
+        Parameter(20.0)
     """
 
     def __init__(self, value: ArrayLike) -> None:
@@ -29,6 +36,7 @@ class Parameter:
 
     @property
     def value(self) -> float | Floats:
+        """The present value."""
         return self._value
 
     @value.setter
@@ -40,10 +48,15 @@ class Parameter:
         self._value = array if array.ndim else float(array)
 
     def field(self, function: Callable[[Any, Floats], Any]) -> ParameterField:
-        """A field that follows the parameter: function(value, x) at the coordinates x (dim, points).
+        """A field that follows the parameter.
 
-        >>> Parameter(2.0).field(lambda q, x: q * x[0])(np.array([[1.0, 3.0], [0.0, 0.0]]))
-        array([2., 6.])
+        Args:
+            function: From the value and the coordinates x (dim, points) to the field's values (points,), or (dim,
+                points).
+
+        Example:
+            >>> Parameter(2.0).field(lambda q, x: q * x[0])(np.array([[1.0, 3.0], [0.0, 0.0]]))
+            array([2., 6.])
         """
         return ParameterField(self, function)
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,9 @@ from numpy.typing import ArrayLike
 
 from .base.arrays import Floats
 from .base.checks import check_choice
+from .base.table import frame, numbered_columns, write_csv
+from .body_result import BodyResult
+from .contact import Contact
 from .errors import ContactError, NotConvergedError
 from .parameter import Parameter
 from .scene import Scene
@@ -20,7 +25,7 @@ from .system.start import Given
 
 
 @dataclass
-class Path:
+class LoadPath:
     """What a load programme went through.
 
     values: the parameter's values that were solved for; solutions: one for each, unless they were not to be kept;
@@ -40,18 +45,79 @@ class Path:
         """Whether every step converged."""
         return self.status == "converged"
 
+    def columns(self) -> dict[str, Any]:
+        """The parameter and what was recorded as columns by name, one row per step; arrays one column per entry."""
+        table = numbered_columns("parameter", np.array(self.values, dtype=float))
+        for name, record in self.records.items():
+            table |= numbered_columns(name, record)
+        return table
+
+    def frame(self) -> Any:
+        """The path as a pandas DataFrame, one row per step. Raises ImportError where pandas is not installed."""
+        return frame(self.columns())
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """The CSV file written, one line per step."""
+        return write_csv(path, self.columns())
+
+    def export(self, folder: str | os.PathLike[str], name: str = "series") -> list[Path]:
+        """The files written for ParaView: a series name.pvd, the first, and what `Solution.export` writes of each step.
+
+        The time of the series is the step's number; each file holds the parameter's value as field data. On several
+        ranks all have to call it; the first writes. Raises ValueError for a path that kept no solutions.
+        """
+        from .view.export import export_series
+
+        steps = [(solution._exported, value) for solution, value in zip(self._kept(), self.values, strict=True)]
+        return self.solutions[0].scene.ranks.once(lambda: export_series(steps, Path(folder), name))
+
+    def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
+        """A matplotlib figure of a contact's pressure in every step; options: see `view.path_plot.plot_steps`."""
+        from .view.path_plot import plot_steps
+
+        return plot_steps([solution.contact(contact) for solution in self._kept()], self._labels(), **options)
+
+    def plot_bodies(self, **options: Any) -> Any:
+        """A matplotlib figure of the bodies of all steps beside each other, drawn alike.
+
+        Options: `columns`, `path`, and those of `Solution.plot_bodies`.
+        """
+        from .view.path_plot import plot_multiples
+
+        return plot_multiples(self._bodies(), self._labels(), **options)
+
+    def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
+        """The GIF written, one frame a step; options: `per_second`, and those of `Solution.plot_bodies`."""
+        from .view.path_plot import animate
+
+        return animate(self._bodies(), self._labels(), path, **options)
+
+    def _kept(self) -> list[Solution]:
+        """The solutions of the steps."""
+        if not self.solutions:
+            raise ValueError("keep_solutions = False: this path kept no solutions that could be shown or written")
+        return self.solutions
+
+    def _bodies(self) -> list[list[BodyResult]]:
+        return [[solution.body(body) for body in solution.scene.bodies] for solution in self._kept()]
+
+    def _labels(self) -> list[str]:
+        """Each step's number and the parameter's value."""
+        values = [", ".join(f"{number:g}" for number in np.ravel(value)) for value in self.values]
+        return [f"step {number}: {value}" for number, value in enumerate(values, 1)]
+
     def __len__(self) -> int:
         return len(self.values)
 
     def __repr__(self) -> str:
         names = ", ".join(self.records) or "nothing"
-        return f"Path of {len(self)} steps: {self.status} ({self.reason}); recorded: {names}"
+        return f"LoadPath of {len(self)} steps: {self.status} ({self.reason}); recorded: {names}"
 
 
 class StepFailedError(ContactError):
     """A load programme that a step ended early. Attribute: `path`, what was done before and the failed step."""
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: LoadPath) -> None:
         super().__init__(f"{path.status}: {path.reason}")
         self.path = path
 
@@ -66,7 +132,7 @@ def programme(
     on_failure: str = "raise",
     start: Given | Solution | None = None,
     **solve_options: Any,
-) -> Path:
+) -> LoadPath:
     """Solve a scene for one value of a parameter after another, each step started from the one before.
 
     record: {name: function of each step's `Solution`} to be kept as arrays; keep_solutions: whether to keep the
@@ -84,7 +150,7 @@ def programme(
         raise TypeError(f"parameter = {parameter!r}: expected a cd.Parameter")
     if not scene.follows(parameter):
         raise ValueError(f"parameter = {parameter!r}: no load, support or gap of the scene follows it")
-    values, path, rows = list(values), Path(), {name: [] for name in record or {}}
+    values, path, rows = list(values), LoadPath(), {name: [] for name in record or {}}
     for number, value in enumerate(values, 1):
         parameter.value = value
         try:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
@@ -18,6 +19,7 @@ from .interface.discretise import Interface, discretise
 from .layer import Layer
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
 from .local.problem import LocalProblem
+from .meshless import MeshlessBody
 from .parameter import Parameter, parameters
 
 
@@ -28,14 +30,16 @@ class Scene:
     and the same solves; every rank then has the whole solution.
     """
 
-    def __init__(self, bodies: Sequence[Body], contacts: Sequence[Contact], comm: MPI.Comm = MPI.COMM_SELF) -> None:
-        self.bodies = as_tuple_of("bodies", bodies, Body)
+    def __init__(
+        self, bodies: Sequence[Body | MeshlessBody], contacts: Sequence[Contact], comm: MPI.Comm = MPI.COMM_SELF
+    ) -> None:
+        self.bodies = as_tuple_of("bodies", bodies, Body | MeshlessBody)
         self.contacts = as_tuple_of("contacts", contacts, Contact)
         if not isinstance(comm, MPI.Comm):
             raise TypeError(f"comm = {comm!r}: expected an MPI communicator, such as MPI.COMM_WORLD")
         self._check()
         # One rank alone need not weigh them.
-        self.ranks = Ranks(comm, [body.dofs if comm.size > 1 else 0.0 for body in self.bodies])
+        self.ranks = Ranks(comm, [0.0 if comm.size == 1 or body.mesh is None else body.dofs for body in self.bodies])
         self._interfaces: list[Interface] | None = None
         self._solvers: LocalSolvers | None = None
         self._read = self._parameter_values()
@@ -107,7 +111,9 @@ class Scene:
         return any(parameter is other for other in self._parameters())
 
     def _parameters(self) -> list[Parameter]:
-        items = [item for body in self.bodies for item in (*body.loads, *body.supports)] + list(self.contacts)
+        items: list[Any] = list(self.contacts)
+        for body in self.bodies:
+            items += (body,) if body.mesh is None else (*body.loads, *body.supports)
         return [parameter for item in items for parameter in parameters(vars(item).values())]
 
     def _parameter_values(self) -> list[bytes]:
@@ -119,6 +125,9 @@ class Scene:
         for name, count in Counter(body.name for body in self.bodies).items():
             if count > 1:
                 raise ValueError(f"bodies: the name {name!r} is used {count} times; expected names used once")
+        for body in self.bodies:
+            if isinstance(body.local_solver, str):
+                check_choice("local_solver", body.local_solver, ("auto", *LOCAL_SOLVERS))
         for name, count in Counter(contact.name for contact in self.contacts).items():
             if count > 1:
                 raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
@@ -139,7 +148,7 @@ class Scene:
                 raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
             if body.kinematics.ring != contact.sides[0][0].kinematics.ring:
                 raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
-            for facet in body.mesh.facets(surface):
+            for facet in () if body.mesh is None else body.mesh.facets(surface):
                 key = (id(body), int(facet))
                 if key in used:
                     raise ValueError(

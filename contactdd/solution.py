@@ -2,72 +2,39 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import basix.ufl
 import numpy as np
 from dolfinx import fem
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
+from . import sample, small_strains
 from .base import compat
 from .base.arrays import Floats
 from .body import Body
+from .body_result import BodyResult
 from .contact import Contact
+from .contact_result import ContactResult
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
+from .small_strains import StrainSize
+from .surface_result import SurfaceResult, Surfaces
 
 if TYPE_CHECKING:
     from .local.problem import Fields
+    from .saved import SavedSolution
     from .scene import Scene
     from .system.ensemble import Ensemble
     from .system.state import State
-
-
-@dataclass(frozen=True)
-class ContactResult:
-    """A contact at n points.
-
-    x: (n, dim) where; weights: (n,) areas; gap: (n,) the deformed gap z = d − u_αn − u_βn (length); compression: (n,)
-    the layer's w = min(z, 0); pressure: (n,) −σ_n >= 0 (stress); normal: (n, dim) outward of the first body;
-    unmatched: the area of either surface that lies opposite nothing and is therefore outside the contact.
-    """
-
-    x: Floats
-    normal: Floats
-    weights: Floats
-    gap: Floats
-    compression: Floats
-    pressure: Floats
-    unmatched: tuple[float, float] = (0.0, 0.0)
-
-    @property
-    def closed(self) -> NDArray[np.bool_]:
-        """Where the layer is compressed, (n,)."""
-        return self.gap < 0.0
-
-    @property
-    def force(self) -> float:
-        """∫ p ds: per unit thickness in the plane, of the full ring between bodies of revolution."""
-        return float(self.weights @ self.pressure)
-
-    @property
-    def area(self) -> float:
-        """The area in contact."""
-        return float(self.weights[self.closed].sum())
-
-    def __repr__(self) -> str:
-        alone = "".join(
-            f", {area:.6g} of the {which} surface without a partner"
-            for which, area in zip(("first", "second"), self.unmatched, strict=True)
-            if area > 0.0
-        )
-        peak = self.pressure.max()
-        return f"ContactResult({len(self.x)} points, peak pressure {peak:.6g}, force {self.force:.6g}{alone})"
+    from .view.export import Fields as ExportedFields
 
 
 class Solution:
@@ -110,6 +77,8 @@ class Solution:
         """The displacement of a body (length), a dolfinx function."""
         place = self._place(body)
         name = self.scene.bodies[place].name
+        if self.scene.bodies[place].mesh is None:
+            return self._fields[place].displacement
         if name not in self._displacements:
             function = fem.Function(self.scene.bodies[place].space, name="displacement")
             function.x.array[:] = self._fields[place].displacement
@@ -124,9 +93,18 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
         stress = interface.contact.layer.contact_stress(gaps)
-        compression = np.minimum(gaps, 0.0)
+        meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
         return ContactResult(
-            interface.x, interface.normal, interface.weights, gaps, compression, -stress, interface.unmatched
+            interface.x,
+            interface.normal,
+            interface.weights,
+            gaps,
+            np.minimum(gaps, 0.0),
+            -stress,
+            interface.unmatched,
+            interface.gap,
+            meshed.corners,
+            meshed.body.kinematics.ring,
         )
 
     @property
@@ -134,6 +112,43 @@ class Solution:
         """What a reader of the result has to know: where a layer is compressed further than its law is known."""
         found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
         return tuple(note for note in found if note)
+
+    def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
+        """Pressure, gap and status of a contact facet by facet, on the first or on the second body's surface.
+
+        Raises ValueError for the side of a body without a mesh.
+        """
+        index = self._contact_index(contact)
+        interface, gaps = self.interfaces[index], self._state.gaps[index]
+        pressure = -interface.contact.layer.contact_stress(gaps)
+        body = self._meshed(interface.contact.sides[int(second)][0])
+        return sample.surface_result(interface, int(second), gaps, pressure, self.displacement(body))
+
+    def body(self, body: str | Body) -> BodyResult:
+        """A body's displacement and stress at its nodes, as plain arrays.
+
+        Raises ValueError for a body without a mesh.
+        """
+        owner = self._meshed(body)
+        contacts = list(zip(self.interfaces, self._state.gaps, strict=True))
+        return sample.body_result(owner, self.displacement(owner), self.stress(owner), contacts)
+
+    def displacement_at(self, body: str | Body, points: ArrayLike) -> Floats:
+        """The displacement (n, dim) of a body at points (n, dim) of its undeformed shape (length).
+
+        Raises ValueError for points outside of it and for a body without a mesh.
+        """
+        owner = self._meshed(body)
+        return sample.values_at(owner, self.displacement(owner), points)
+
+    def stress_at(self, body: str | Body, points: ArrayLike) -> Floats:
+        """The six stresses (n, 6) of a body at points (n, dim) of its undeformed shape, in the order of `stress`.
+
+        On the border of cells it is that of one of them. Raises ValueError for points outside of the body and for one
+        without a mesh.
+        """
+        owner = self._meshed(body)
+        return sample.values_at(owner, self.stress(owner), points)
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
         """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it."""
@@ -201,29 +216,131 @@ class Solution:
             scale += float(problem.dofs.load @ problem.dofs.load + contact @ contact)
         return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
 
+    def normal_stiffness(self, contact: str | int | Contact = 0) -> float:
+        """The normal stiffness dF/dδ of a contact and its bodies, from the tangent (17) (force / length).
+
+        F is the contact force, δ by how much what holds the bodies comes together, which is to say by how much the gap
+        d shrinks everywhere; all loads stay. So it is that of the layer and of the bodies in series; zero where loads
+        alone fix the force. Raises LooseBodyError where the closed contacts leave a body free. On several ranks all
+        have to call it.
+        """
+        from .iteration.closing_stiffness import closing_stiffness
+
+        return closing_stiffness(self._ensemble, self.scene.ranks, self._state.gaps, self._contact_index(contact))
+
+    @cached_property
+    def strain_sizes(self) -> list[StrainSize]:
+        """The largest strain and rotation of every body that has a mesh, in the order of the scene's bodies."""
+        bodies = zip(self.scene.bodies, self._fields, strict=True)
+        return [small_strains.strain_size(body, fields.displacement) for body, fields in bodies if body.mesh]
+
+    @property
+    def largest_strain(self) -> float:
+        """The largest principal strain, in absolute value, at the middles of all cells."""
+        return max(size.strain for size in self.strain_sizes)
+
+    @property
+    def largest_rotation(self) -> float:
+        """The largest rotation (rad) at the middles of all cells."""
+        return max(size.rotation for size in self.strain_sizes)
+
+    def warn_of_large_strains(self) -> None:
+        """Warn (`LargeStrainWarning`) where linear theory is doubtful; look closer only where contacts hint at it."""
+        if small_strains.suspicious(self.interfaces, self._state.gaps) and self.scene.ranks.comm.rank == 0:
+            small_strains.warn(self.strain_sizes)
+
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
-        """Pressure and gap along a contact: a matplotlib figure."""
-        from .view.plot import plot_contact
+        """A matplotlib figure of pressure and gap along a contact, in space of a map of it.
 
-        return plot_contact(self, contact, **options)
+        Options: `along`, `show`, `path`, `stress_unit`, `length_unit`, see `view.contact_plot.plot_contact`.
+        """
+        from .view.contact_plot import plot_contact
 
-    def plot_bodies(self, **options: Any) -> Any:
-        """The deformed bodies coloured by a stress: a picture, also saved to `path`; see `plot.plot_bodies`."""
-        from .view.plot import plot_bodies
+        result = self.contact(contact)
+        surfaces = self._surfaces(contact) if result.x.shape[1] == 3 else ()
+        return plot_contact(result, next(filter(None, surfaces), None), **options)
 
-        return plot_bodies(self, **options)
+    def plot_bodies(self, bodies: Sequence[str | Body] | None = None, **options: Any) -> Any:
+        """A picture of the deformed bodies, or of some, coloured by a stress.
 
-    def plot(self) -> Any:
-        """The deformed bodies and every contact's curves."""
-        from .view.plot import plot
+        Options: `component`, `scale`, `limits`, `camera`, `zoom`, `edges`, `undeformed`, `unit`, `path`, `size`,
+        `title`, see `view.body_plot.plot_bodies`.
+        """
+        from .view.body_plot import plot_bodies
 
-        return plot(self)
+        return plot_bodies([self.body(body) for body in bodies or self._with_mesh()], **options)
 
-    def export(self, folder: str | Path) -> list[Path]:
-        """Write displacement and stress of every body for ParaView; the files written."""
+    def plot(self) -> list[Any]:
+        """The pictures of the deformed bodies and of every contact; in a notebook they are shown."""
+        from .view.picture import show
+
+        pictures = [self.plot_bodies(), *(self.plot_contact(contact) for contact in self.scene.contacts)]
+        show(pictures)
+        return pictures
+
+    def export(self, folder: str | os.PathLike[str]) -> list[Path]:
+        """The files written for ParaView into a folder, which is made if missing.
+
+        One .vtu file of each body in its own degree: displacement, stress as a symmetric tensor and von Mises stress at
+        the nodes, where neighbouring cells' stresses are averaged, and each cell's mean. Of each contact one of its
+        points, with the pressures and gaps of `contact`, and one of each surface's facets, with those of
+        `contact_surface`; these also as text in contacts.xdmf. On several ranks all have to call it; the first writes.
+        """
         from .view.export import export
 
-        return export(self, folder)
+        return self.scene.ranks.once(lambda: export(self._exported(), Path(folder)))
+
+    def save(self, folder: str | os.PathLike[str]) -> Path:
+        """The folder that the solution was saved in as plain data, to be read by `load_solution` without the scene.
+
+        On several ranks all have to call it; the first writes.
+        """
+        from .saved import save
+
+        return self.scene.ranks.once(lambda: save(self._plain(), Path(folder)))
+
+    def _exported(self) -> ExportedFields:
+        """What is written of the solution for ParaView."""
+        from .view.export import Fields
+
+        contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in self.scene.contacts]
+        return Fields([self.body(body) for body in self._with_mesh()], contacts)
+
+    def _plain(self) -> SavedSolution:
+        """All that is told of the solution, as plain data."""
+        from .saved import SavedSolution
+
+        names = ("energy", "layer_energy", "residual", "imbalance", "largest_strain", "largest_rotation")
+        return SavedSolution(
+            self.status,
+            self.reason,
+            self.method,
+            {name: float(getattr(self, name)) for name in names},
+            self.history,
+            [self.body(body) for body in self._with_mesh()],
+            {c.name: self.contact(c) for c in self.scene.contacts},
+            {c.name: self._surfaces(c) for c in self.scene.contacts},
+            {body.name: self.forces(body) for body in self.scene.bodies},
+        )
+
+    def _surfaces(self, contact: str | int | Contact) -> Surfaces:
+        """Both sides of a contact, None for that of a body without a mesh."""
+        first, second = self.scene.contacts[self._contact_index(contact)].sides
+        return (
+            self.contact_surface(contact) if first[0].mesh else None,
+            self.contact_surface(contact, second=True) if second[0].mesh else None,
+        )
+
+    def _with_mesh(self) -> list[Body]:
+        """The bodies that have a mesh: what can be drawn and written."""
+        return [body for body in self.scene.bodies if body.mesh]
+
+    def _meshed(self, body: str | Body) -> Body:
+        """A body of the scene, refused if it has no mesh."""
+        owner = self.scene.bodies[self._place(body)]
+        if owner.mesh is None:
+            raise ValueError(f"body = {owner.name!r}: it has no mesh; expected a body with one")
+        return owner
 
     def __repr__(self) -> str:
         lines = [f"Solution by {self.method!r}: {self.status} ({self.reason})"]
@@ -233,15 +350,19 @@ class Solution:
         lines.append(
             f"  energy F₁ {self.energy:.8g}, weak residual {self.residual:.1e}, imbalance {self.imbalance:.1e}"
         )
+        largest = max(self.strain_sizes, key=lambda size: max(size.strain, size.rotation))
+        if largest.doubtful:
+            lines.append(f"  linear theory is doubtful here: {largest}")
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><td>{c.name}</td><td>{r.pressure.max():.6g}</td><td>{r.force:.6g}</td><td>{r.area:.6g}</td></tr>"
+            f"<tr><td>{escape(c.name)}</td><td>{r.peak_pressure:.6g}</td><td>{r.force:.6g}</td><td>{r.area:.6g}</td></tr>"
             for c, r in ((c, self.contact(c)) for c in self.scene.contacts)
         )
         head = "<tr><th>contact</th><th>peak pressure</th><th>force</th><th>area in contact</th></tr>"
-        return f"<p><b>{self.status}</b>: {self.reason} ({self.method})</p><table>{head}{rows}</table>"
+        ending = f"<p><b>{escape(self.status)}</b>: {escape(self.reason)} ({escape(self.method)})</p>"
+        return f"{ending}<table>{head}{rows}</table>"
 
     @cached_property
     def _fields(self) -> list[Fields]:
@@ -295,9 +416,9 @@ class Solution:
 
     def _contact_index(self, contact: str | int | Contact) -> int:
         for index, other in enumerate(self.scene.contacts):
-            if contact in (other, index, other.name):
+            if contact in (other, index, other.name, typed(other.name)):
                 return index
-        known = ", ".join(repr(other.name) for other in self.scene.contacts)
+        known = ", ".join(repr(typed(other.name)) for other in self.scene.contacts)
         raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
 
 
@@ -313,6 +434,11 @@ def _passed(interface: Interface, gaps: Floats) -> str:
         f"contact {contact.name!r}: on {share:.2g} of its area the layer is compressed further than its law is known, "
         f"to {-gaps[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
     )
+
+
+def typed(name: str) -> str:
+    """A contact's name as a keyboard has it: the dash between two bodies' names as a hyphen."""
+    return name.replace("–", "-")
 
 
 def _resampled(interface: Interface, degree: int) -> Interface:

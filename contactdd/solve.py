@@ -115,6 +115,8 @@ def solve(
         if ending.escape is not None:
             raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution)
         raise NotConvergedError(ending.status, ending.reason, solution)
+    if solution.converged:
+        solution.warn_of_large_strains()
     return solution
 
 

@@ -45,7 +45,7 @@ def scene(degrees: float, approach: cd.Parameter) -> cd.Scene:
     return cd.Scene([wood, steel], [cd.Contact((wood, "top"), (steel, "bottom"), LAYER, gap=crown)])
 
 
-def press(degrees: float, approaches: np.ndarray) -> cd.Path:
+def press(degrees: float, approaches: np.ndarray) -> cd.LoadPath:
     """The load programme for one angle: the approach in steps, with what is of interest at each."""
     approach = cd.Parameter(0.0)
     record = {
@@ -89,7 +89,7 @@ def draw_pressures(solutions: dict[float, cd.Solution], path: str) -> None:
     figure.savefig(path, dpi=150)
 
 
-def draw_paths(paths: dict[float, cd.Path], path: str) -> None:
+def draw_paths(paths: dict[float, cd.LoadPath], path: str) -> None:
     """Force against approach for every angle: how stiff the fibres make the wood."""
     figure = Figure(figsize=(7, 4.2), layout="constrained")
     axes = figure.subplots()

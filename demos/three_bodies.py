@@ -62,7 +62,7 @@ def main(arguments: list[str] | None = None) -> None:
     for contact, balance in statics().items():
         result = solution.contact(contact)
         numbers[contact] = {"force": result.force, "statics": balance, "peak_pressure": float(result.pressure.max())}
-        print(f"{contact:12} force {result.force:.9f} N/mm, statics {balance:.9f}, alone {result.unmatched} mm")
+        print(f"{contact:12} force {result.force:.9f} N/mm, statics {balance:.9f}, alone {result.unpaired_area} mm")
     for index, contact in enumerate(solution.scene.contacts):
         solution.plot_contact(contact, path=report.path(f"contact{index + 1}.png"))
     solution.plot_bodies(component="von Mises", path=report.path("bodies.png"))

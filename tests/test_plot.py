@@ -7,7 +7,7 @@ import pytest
 import test_uniform
 
 import contactdd as cd
-from contactdd.view.plot import _grid, body_grid, von_mises
+from contactdd.body_result import von_mises
 
 
 @pytest.fixture(scope="module")
@@ -37,7 +37,8 @@ def test_bodies_of_an_earlier_solution_keep_their_gap():
     earlier = cd.solve(scene)
     depth.value = 5e-4
     cd.solve(scene)
-    drawn = _grid(earlier, lower, "von Mises", "stress").point_data["drawn"]
+    result = earlier.body(lower)
+    drawn = result.drawn(1.0) - result.points
     assert drawn[:, 1].min() == pytest.approx(-1e-4, rel=1e-12)
 
 
@@ -50,19 +51,11 @@ def test_contact_curves(solution, tmp_path):
 
 def test_nodal_stresses(solution):
     body = solution.scene.bodies[0]
-    stress = body_grid(solution, body).point_data["stress"]
+    stress = solution.body(body).stress
     np.testing.assert_allclose(stress[:, 1], -test_uniform.Q, rtol=1e-6)  # derivatives of a solution good to 1e-8
     nu = body.material.nu
     side = nu / (1 - nu) * test_uniform.Q  # both transverse stresses of laterally held compression
     np.testing.assert_allclose(von_mises(stress), test_uniform.Q - side, rtol=1e-6)
-
-
-def test_export(solution, tmp_path):
-    files = solution.export(tmp_path / "fields")
-    assert [path.name for path in files] == ["lower.xdmf", "upper.xdmf"]
-    text = files[0].read_text()
-    assert 'Name="displacement"' in text
-    assert 'Name="stress"' in text
 
 
 def test_text_and_html(solution):

@@ -78,7 +78,7 @@ def test_patch_of_revolution(quadrature):
     result = newton(whole).contact()
     assert result.weights.sum() == pytest.approx(np.pi * 1.9**2, rel=1e-13)
     assert result.force == pytest.approx(LOAD * np.pi * 1.9**2, rel=ROUNDING)
-    assert result.unmatched == pytest.approx((np.pi * (4 - 1.9**2), 0.0), rel=1e-12)
+    assert result.unpaired_area == pytest.approx((np.pi * (4 - 1.9**2), 0.0), rel=1e-12)
     fitting = cd.Body(
         "c",
         cd.rectangle((0, 1), (2, 2), (11, 3)),
@@ -96,7 +96,7 @@ def check_patch(scene: cd.Scene, area: float) -> None:
     result = solution.contact()
     assert np.abs(result.pressure / LOAD - 1).max() < ROUNDING
     assert result.weights.sum() == pytest.approx(area, rel=1e-13)
-    assert result.unmatched == (0.0, 0.0)
+    assert result.unpaired_area == (0.0, 0.0)
     forces = [solution.forces(body)["contact"] for body in scene.bodies]
     assert np.abs(forces[0] + forces[1]).max() < ROUNDING * LOAD * area
     assert np.abs(forces[0]).max() == pytest.approx(LOAD * area, rel=ROUNDING)
@@ -207,8 +207,8 @@ def test_partly_overlapping_blocks_agree_with_the_same_contact_named_exactly():
         scene = cd.Scene([a, b], [cd.Contact((a, surface), (b, "bottom"), LAYER)])
         results.append(newton(scene).contact())
     whole, exact = results
-    assert whole.unmatched == pytest.approx((1.5, 0.0), rel=1e-13)
-    assert exact.unmatched == (0.0, 0.0)
+    assert whole.unpaired_area == pytest.approx((1.5, 0.0), rel=1e-13)
+    assert exact.unpaired_area == (0.0, 0.0)
     assert whole.weights.sum() == pytest.approx(2.5, rel=1e-13)
     assert whole.force == pytest.approx(2.5 * LOAD, rel=ROUNDING)
     assert np.abs(whole.pressure[nearest(exact.x, whole.x)] - exact.pressure).max() < ROUNDING * LOAD
@@ -223,7 +223,7 @@ def test_facets_cut_by_an_edge_count_in_part():
     for solution in (newton(scene), cd.solve(scene, "chord", gamma=0.6, tolerance=1e-9)):
         result = solution.contact()
         assert result.weights.sum() == pytest.approx(area, rel=1e-13)
-        assert result.unmatched == pytest.approx((4 - area, 0.0), rel=1e-12)
+        assert result.unpaired_area == pytest.approx((4 - area, 0.0), rel=1e-12)
         assert result.force == pytest.approx(LOAD * area, rel=1e-7)  # of the decomposed run's residual, 1e-9
 
 
@@ -558,7 +558,7 @@ def test_a_part_out_of_reach_is_outside_the_contact():
     upper = moved(cd.rectangle((0, 1), (4, 2), (40, 3)), lambda x: x + np.outer(x[:, 0] / 4, [0, 1.0]))
     whole, near = (two(cd.rectangle(*LOWER), upper, search_distance=d).interfaces[0] for d in (None, 0.5))
     assert np.abs(near.gap).max() < 0.5 + 0.03  # segments are kept or not as a whole
-    assert near.unmatched[0] == pytest.approx(2.0, abs=0.3)
+    assert near.unpaired_area[0] == pytest.approx(2.0, abs=0.3)
     assert near.weights.sum() < 0.6 * whole.weights.sum()
 
 

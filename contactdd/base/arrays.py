@@ -10,4 +10,4 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 #: An operator that is kept dense where it is small. SciPy's part is named by a string: it is imported by its first use.
-Operator = Union["scipy.sparse.csr_matrix", NDArray[np.float64]]  # noqa: F821
+Operator = Union["scipy.sparse.csr_matrix", NDArray[np.float64]]  # type: ignore[name-defined]  # noqa: F821

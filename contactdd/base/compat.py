@@ -6,6 +6,7 @@ The rest of the package calls these functions and never asks for a version.
 from __future__ import annotations
 
 import contextlib
+import logging
 from collections.abc import Sequence
 from copy import copy
 from functools import cache
@@ -24,6 +25,16 @@ from . import compiler
 with contextlib.suppress(ImportError):
     # The wheel that PyPI offers keeps its libraries in this module; it has to come before dolfinx.
     import dolfinx_solver  # noqa: F401
+
+
+def _let_warnings_be_seen() -> None:
+    """Undo that FFCx hands all warnings of the process to a log that nobody reads."""
+    log = logging.getLogger("py.warnings")
+    if not any(not isinstance(each, logging.NullHandler) for each in (*log.handlers, *logging.getLogger().handlers)):
+        logging.captureWarnings(False)
+
+
+_let_warnings_be_seen()
 
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
@@ -117,7 +128,7 @@ def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
 def with_cell(element: Any) -> Any:
     """The same basix element with its UFL cell: others make a new one, which is slow, whenever UFL asks."""
 
-    class WithCell(type(element)):
+    class WithCell(type(element)):  # type: ignore[misc]
         cell = element.cell
 
     same = copy(element)

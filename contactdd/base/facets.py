@@ -111,7 +111,7 @@ def _reference_facets(cell: basix.CellType) -> _ReferenceFacets:
     return _ReferenceFacets(facets[:, around], origins, axes)
 
 
-def _tabulated(element: Any, local: NDArray[np.intp], points: Floats) -> tuple[Floats, Floats]:
+def _tabulated(element: Any, local: NDArray[np.integer[Any]], points: Floats) -> tuple[Floats, Floats]:
     """Points (n, dim − 1) of the facets `local` (n,) in the reference cell, (n, dim), and a scalar element there: its
     functions and their derivatives along the facet's axes and the outward normal, (n, 1 + dim, nodes)."""
     frame = _reference_facets(element.cell_type)

@@ -26,7 +26,7 @@ class Ranks:
     def __init__(self, comm: MPI.Comm, work: Sequence[float]) -> None:
         self.comm = comm
         self.teams = deal_out(comm.size, work)
-        self._team = MPI.COMM_SELF
+        self._team: MPI.Comm = MPI.COMM_SELF
         if comm.size > len(work):
             place = next(place for place, team in enumerate(self.teams) if comm.rank in team)
             self._team = comm.Split(place, comm.rank)

@@ -54,7 +54,8 @@ def facing_pairs(
         _tree(_Level(c[o].min(axis=1), c[o].max(axis=1), n[o], np.zeros(len(o))))
         for c, n, o in zip((first, second), (first_normals, second_normals), orders, strict=True)
     ]
-    i = j = np.zeros(1, dtype=np.intp)
+    i: Indices = np.zeros(1, dtype=np.intp)
+    j: Indices = i
     for level in reversed(range(max(len(tree) for tree in trees))):
         here = [tree[min(level, len(tree) - 1)] for tree in trees]
         if level < max(len(tree) for tree in trees) - 1:

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats
+from ..base.checks import as_floats
 from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
 from ..quadrature import Rule, rule
 from .pairing import PointPairs, matching, matching_on, pair_by_segments
-from .surface import ContactSurface, Gather
+from .surface import ContactSurface, Gather, PointSurface
 from .trace import normal_trace
 
 
@@ -95,8 +97,10 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
 
     facets: the second surface's opposite each of the first's, where they are known to match.
     """
-    degree = max(body.degree for body, _ in contact.sides)
+    degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
     quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
+    if any(body.mesh is None for body, _ in contact.sides):
+        return _opposite_meshless(contact, bodies, quadrature)
     first, second = _surfaces(contact, quadrature)
     matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
     if matched is None:
@@ -114,6 +118,34 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
     )
     facets = matched.facets
     return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides, facets=facets)
+
+
+def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Rule) -> Interface:
+    """The interface between a meshed surface and a body without a mesh, at the points of the meshed one."""
+    meshed = next(i for i, (body, _) in enumerate(contact.sides) if body.mesh is not None)
+    (body, surface), (partner, _) = contact.sides[meshed], contact.sides[1 - meshed]
+    own = ContactSurface(body, surface, quadrature)
+    x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
+    trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
+    distance = _checked("gap", partner.gap(x, normal), len(x), 1)
+    measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
+    given = PrescribedGap(own.points.x, own.average)
+    points = Gather(np.arange(len(x)), len(x))
+    sides = [
+        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+    ]
+    first, second = sides if meshed == 0 else reversed(sides)
+    outward = normal if meshed == 0 else -normal
+    return Interface(contact.frozen(), x, outward, weights, measured, given.at(contact.gap), given, (first, second))
+
+
+def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
+    """What a body without a mesh says of some points, refused unless it is finite numbers for each."""
+    array = as_floats(name, values, f"finite numbers of {points} points")
+    if array.ndim != dimensions or len(array) != points or not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} of shape {array.shape}: expected finite numbers of {points} points")
+    return array
 
 
 def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, ContactSurface]:

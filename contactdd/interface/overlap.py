@@ -116,7 +116,7 @@ def _clip(polygons: Floats, windows: Floats) -> tuple[Floats, Indices]:
 
     Returns the corners, padded with zeros to (n, c + d, 2), and how many each polygon has.
     """
-    polygon, count = polygons, np.full(len(polygons), polygons.shape[1])
+    polygon, count = polygons, np.asarray(np.full(len(polygons), polygons.shape[1]))
     for start, end in zip(np.moveaxis(windows, 1, 0), np.moveaxis(np.roll(windows, -1, axis=1), 1, 0), strict=True):
         there = np.arange(polygon.shape[1]) < count[:, None]
         edge = end - start

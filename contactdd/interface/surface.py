@@ -108,6 +108,27 @@ class ContactSurface:
 
 
 @dataclass(frozen=True)
+class PointSurface:
+    """The side of a body without a mesh: the n points of the interface themselves.
+
+    weights: (n,) areas; trace: (n, dofs) from its degrees of freedom to u_n; surface: its name.
+    """
+
+    weights: Floats
+    trace: scipy.sparse.csr_matrix
+    surface: str = ""
+
+    @property
+    def nodal_trace(self) -> scipy.sparse.csr_matrix:
+        """u_n where the paper's stopping rule looks: it has no other nodes than the points."""
+        return self.trace
+
+    def mean(self, rows: Any) -> Any:
+        """The rows (points, n) of an array or a matrix at the values, which are the points."""
+        return rows
+
+
+@dataclass(frozen=True)
 class Gather:
     """The operator to points, each of which takes the value at its place (points,) among as many values as `size`."""
 

@@ -41,8 +41,9 @@ class AssembledProblem:
         self.stiffness: Operator = task.collective(self.matrix)
         self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
         largest = float(self.matrix.diagonal().max(initial=0.0))
-        motions = *self.dofs.motions, self.dofs.spring_forces
-        self.rigid = rigid_motions(self.name, task.body.kinematics, self.traces, *motions, largest)
+        (modes, coefficients), springs = self.dofs.motions, self.dofs.spring_forces
+        kinematics = task.body.kinematics
+        self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, largest)
         self._robin = _RobinSystem(self.dofs, self.matrix, self.traces)
 
     def refreshed(self, dofs: Any) -> AssembledProblem:

@@ -22,6 +22,7 @@ from .condensed import CondensedProblem
 from .copies import originals
 from .discrete import DiscreteBody
 from .memory import cheapest_solver, refuse_if_too_large
+from .meshless import MeshlessProblem
 from .multigrid import MultigridProblem
 from .problem import LocalProblem
 from .remote import CollectiveOperator, RemoteProblem, SharedProblem
@@ -111,14 +112,15 @@ class LocalSolvers:
 
     def _kind(self, body: Any, local_solver: str) -> str:
         """The name under which a body's problem is kept; what a body brings itself has precedence."""
-        if callable(body.local_solver):
+        if body.mesh is None or callable(body.local_solver):
             return OWN
-        return body.local_solver or (cheapest_solver(body) if local_solver == "auto" else local_solver)
+        name = body.local_solver or local_solver
+        return cheapest_solver(body) if name == "auto" else name
 
     def _problem(self, kind: str, index: int) -> LocalProblem:
         """One body's local problem, made when first asked for."""
         if (kind, index) not in self._problems:
-            make = self._bodies[index].local_solver if kind == OWN else LOCAL_SOLVERS[kind]
+            make = (self._bodies[index].local_solver or MeshlessProblem) if kind == OWN else LOCAL_SOLVERS[kind]
             self._problems[kind, index] = make(self._task(kind, index))
         return self._problems[kind, index]
 

@@ -32,6 +32,10 @@ class CondensedProblem:
     """
 
     factor_free = False
+    condensation: Condensation
+    stiffness: Floats
+    load: Floats
+    constant: float
 
     def __init__(self, task: LocalTask) -> None:
         self.body, self.dofs = task.body, task.discrete
@@ -51,7 +55,7 @@ class CondensedProblem:
         """Take over everything from the problem of the body that this one copies, with the signs of mirrored
         components."""
         turned = self.dofs.mirrored(signs)
-        self.condensation: Condensation = MirroredCondensation(original.condensation, turned, self.kept)
+        self.condensation = MirroredCondensation(original.condensation, turned, self.kept)
         kept = turned[self.kept]
         self.stiffness = kept[:, None] * original.stiffness * kept
         modes, (owner,) = original.rigid.modes, original.rigid.owners

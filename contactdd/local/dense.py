@@ -74,7 +74,8 @@ class DenseSystem:
         if len(self.stiffness) == 0:  # supports hold all that the contacts touch, which LAPACK would refuse
             return np.copy
         matrix = self._system(phi)
-        matrix[fixed, fixed] += self.rigid.stiffness_scale
+        # A rigid body has no stiffness but that of its contacts.
+        matrix[fixed, fixed] += self.rigid.stiffness_scale or matrix.diagonal().max()
         factor, info = scipy.linalg.lapack.dpotrf(matrix.T, lower=True, clean=False, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.name!r}: S + Φ is not positive definite")

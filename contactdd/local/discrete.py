@@ -35,6 +35,10 @@ class DiscreteBody:
         constant: The part of the energy that depends on no unknown.
     """
 
+    load: Floats
+    free_load: Floats
+    constant: float
+
     def __init__(self, body: Body, original: tuple[DiscreteBody, Floats] | None = None) -> None:
         self.body = body
         if original is None:
@@ -83,7 +87,7 @@ class DiscreteBody:
 
     def mirrored(self, signs: Floats) -> Floats:
         """The factors ±1 of the unknowns (unknowns,) if the displacement's components change by `signs` (dim,)."""
-        return signs[self.space.free % len(signs)]
+        return signs[self.space.free_dofs % len(signs)]
 
     @cached_property
     def spring_forces(self) -> Floats:

@@ -33,8 +33,9 @@ class MultigridProblem:
         self.stiffness: Operator = task.collective(matrix)
         self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
         largest = float(matrix.diagonal().max(initial=0.0))
-        motions = *self.dofs.motions, self.dofs.spring_forces
-        self.rigid = rigid_motions(self.name, task.body.kinematics, self.traces, *motions, largest)
+        (modes, coefficients), springs = self.dofs.motions, self.dofs.spring_forces
+        kinematics = task.body.kinematics
+        self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, largest)
         self._robin = _RobinSystem(self.dofs, matrix, self.traces, self.rigid)
 
     def refreshed(self, dofs: Any) -> MultigridProblem:

@@ -68,14 +68,12 @@ class Fields:
 
 
 class BodyDofs(Protocol):
-    """A body in all its degrees of freedom: nodal displacements of a mesh, or the motions of a rigid body.
+    """A body in all its degrees of freedom: nodal displacements of a mesh, or the motions of a rigid body."""
 
-    Attributes:
-        load: (dofs,) l(v).
-        prescribed: Whether any displacement other than zero is prescribed.
-    """
-
-    load: Floats
+    @property
+    def load(self) -> Floats:
+        """(dofs,) l(v)."""
+        ...
 
     @property
     def prescribed(self) -> bool:
@@ -109,29 +107,52 @@ class BodyDofs(Protocol):
 
 
 class LocalProblem(Protocol):
-    """How one body is solved. What every local solver makes, and all that the rest of the package knows of a body.
+    """How one body is solved: what every local solver makes, and all that the rest of the package knows of a body."""
 
-    Attributes:
-        name: The body's name.
-        length: Its size (length), with which displacements are compared; 0 where it has none.
-        dofs: The body in all its degrees of freedom.
-        traces: How the contacts act on the unknowns.
-        load: (unknowns,) the loads less what prescribed displacements cause.
-        constant: The part of the energy F₁ that depends on no unknown.
-        stiffness: (unknowns, unknowns) a(u, v) in the unknowns.
-        rigid: The rigid motions that the supports leave.
-        factor_free: Whether the body is too large to factor its stiffness.
-    """
+    @property
+    def name(self) -> str:
+        """The body's name."""
+        ...
 
-    name: str
-    length: float
-    dofs: BodyDofs
-    traces: Sequence[ContactTrace]
-    load: Floats
-    constant: float
-    stiffness: Operator
-    rigid: RigidMotions
-    factor_free: bool
+    @property
+    def length(self) -> float:
+        """The body's size (length); 0 where it has none."""
+        ...
+
+    @property
+    def dofs(self) -> BodyDofs:
+        """The body in all its degrees of freedom."""
+        ...
+
+    @property
+    def traces(self) -> Sequence[ContactTrace]:
+        """How the contacts act on the unknowns."""
+        ...
+
+    @property
+    def load(self) -> Floats:
+        """(unknowns,) the loads less what prescribed displacements cause."""
+        ...
+
+    @property
+    def constant(self) -> float:
+        """The part of the energy F₁ that depends on no unknown."""
+        ...
+
+    @property
+    def stiffness(self) -> Operator:
+        """(unknowns, unknowns) a(u, v) in the unknowns."""
+        ...
+
+    @property
+    def rigid(self) -> RigidMotions:
+        """The rigid motions that the supports leave."""
+        ...
+
+    @property
+    def factor_free(self) -> bool:
+        """Whether the body is too large to factor its stiffness."""
+        ...
 
     @property
     def size(self) -> int:

@@ -27,14 +27,12 @@ class CollectiveOperator:
         size: The number of its rows and columns where there is no matrix.
     """
 
-    def __init__(
-        self, comm: MPI.Comm, owner: int, matrix: scipy.sparse.csr_matrix | None = None, size: int = 0
-    ) -> None:
+    def __init__(self, comm: MPI.Comm, owner: int, matrix: Any = None, size: int = 0) -> None:
         self._comm, self._owner, self._matrix = comm, owner, matrix
         self.shape = (size, size) if matrix is None else matrix.shape
 
     def __matmul__(self, y: Floats) -> Floats:
-        own = self._comm.rank == self._owner
+        own = self._matrix is not None and self._comm.rank == self._owner
         product = np.ascontiguousarray(self._matrix @ y) if own else np.empty_like(y, order="C")
         self._comm.Bcast(product, root=self._owner)
         return product
@@ -89,9 +87,9 @@ class RemoteProblem:
         self.factor_free, self.kept = shared.factor_free, shared.kept
         self.load, self.constant = shared.load, shared.constant
         self.traces = contact_traces(task.sides, self.dofs.space, self.kept)
-        motions = (*self.dofs.motions, self.dofs.spring_forces) if shared.motions is None else shared.motions
+        modes, coefficients, springs = shared.motions or (*self.dofs.motions, self.dofs.spring_forces)
         kinematics, scale = task.body.kinematics, shared.stiffness_scale
-        self.rigid = rigid_motions(self.name, kinematics, self.traces, *motions, scale)
+        self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, scale)
         if shared.stiffness is None:
             self.stiffness: Operator = CollectiveOperator(comm, owner, size=self.dofs.space.size)
             self._system: DenseSystem | None = None

@@ -10,7 +10,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy
@@ -148,7 +148,7 @@ def _smallest(matrix: Floats) -> float:
     if len(matrix) == 1:
         return float(matrix[0, 0])
     if len(matrix) == 2:
-        (a, b), (_, d) = matrix.tolist()
+        a, b, _, d = map(float, matrix.ravel())
         return 0.5 * (a + d) - math.hypot(0.5 * (a - d), b)
     return float(np.linalg.eigvalsh(matrix)[0])
 
@@ -158,7 +158,7 @@ def select_fixing_dofs(motions: Floats) -> NDArray[np.intp]:
     if motions.shape[1] == 0:
         return np.zeros(0, dtype=np.intp)
     if motions.shape[1] == 1:
-        return np.abs(motions[:, 0]).argmax()[None]
+        return np.atleast_1d(np.abs(motions[:, 0]).argmax())
     return scipy.linalg.qr(motions.T, mode="r", pivoting=True)[1][: motions.shape[1]]
 
 
@@ -175,7 +175,7 @@ def allowed_motions(modes: Floats, space: AdmissibleSpace) -> tuple[Floats, Floa
     return orthonormal(space.restricted(modes) @ allowed, allowed)
 
 
-def orthonormal(modes: Floats, *combined: Floats) -> tuple[Floats, ...]:
+def orthonormal(modes: Floats, *combined: Floats) -> Any:
     """An orthonormal set with the same span, and other matrices (n, motions) combined in the same way."""
     if modes.shape[1] == 1:
         length = np.linalg.norm(modes)

@@ -36,19 +36,26 @@ class AdmissibleSpace:
     free: Indices | None
     mixing: scipy.sparse.csr_matrix | None = None
 
+    @property
+    def free_dofs(self) -> Indices:
+        """The degrees of freedom that Z selects; only of a Z that does not mix any."""
+        if self.free is None:
+            raise ValueError("free: tilted supports mix degrees of freedom")
+        return self.free
+
     @cached_property
     def basis(self) -> scipy.sparse.csr_matrix:
         """Z, (dofs, unknowns)."""
-        if self.free is None:
+        if self.mixing is not None:
             return self.mixing
-        ends = np.searchsorted(self.free, np.arange(len(self.offset) + 1))
+        ends = np.searchsorted(self.free_dofs, np.arange(len(self.offset) + 1))
         entries = (np.ones(self.size), np.arange(self.size), ends)
         return scipy.sparse.csr_matrix(entries, shape=(len(self.offset), self.size))
 
     @property
     def size(self) -> int:
         """The number of unknowns."""
-        return self.mixing.shape[1] if self.free is None else len(self.free)
+        return self.mixing.shape[1] if self.mixing is not None else len(self.free_dofs)
 
     @cached_property
     def numbers(self) -> NDArray[np.int32]:
@@ -62,23 +69,23 @@ class AdmissibleSpace:
 
     def extended(self, y: Floats) -> Floats:
         """Z y, (dofs,) or (dofs, n)."""
-        if self.free is None:
+        if self.mixing is not None:
             return self.mixing @ y
         u = np.zeros((len(self.offset), *y.shape[1:]))
-        u[self.free] = y
+        u[self.free_dofs] = y
         return u
 
     def restricted(self, forces: Floats) -> Floats:
         """Zᵀ f of forces (dofs,) or (dofs, n)."""
-        return self.mixing.T @ forces if self.free is None else forces[self.free]
+        return self.mixing.T @ forces if self.mixing is not None else forces[self.free_dofs]
 
     def prevented(self, u: Floats) -> Floats:
         """The rows, but for zero ones, of what displacements (dofs, n) have that the supports do not allow."""
-        if self.free is None:
+        if self.mixing is not None:
             rest = u - self.extended(self.restricted(u))
             return rest[np.any(rest, axis=1)]
         held = np.ones(len(self.offset), dtype=bool)
-        held[self.free] = False
+        held[self.free_dofs] = False
         return u[held]
 
     def prescribed(self, operator: scipy.sparse.csr_matrix) -> Floats:
@@ -87,25 +94,25 @@ class AdmissibleSpace:
 
     def columns(self, matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
         """matrix @ Z."""
-        return (matrix @ self.mixing).tocsr() if self.free is None else matrix[:, self.free]
+        return (matrix @ self.mixing).tocsr() if self.mixing is not None else matrix[:, self.free]
 
     def within(self, matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
         """Zᵀ @ matrix @ Z."""
-        if self.free is None:
+        if self.mixing is not None:
             return (self.mixing.T @ matrix @ self.mixing).tocsr()
-        return matrix[self.free][:, self.free]
+        return matrix[self.free_dofs][:, self.free]
 
     def unknowns_at(self, dofs: Indices) -> Indices:
         """The unknowns on which some degrees of freedom depend, in order."""
-        if self.free is None:
+        if self.mixing is not None:
             return np.unique(self.mixing[dofs].indices)
         marked = np.zeros(len(self.offset), dtype=bool)
         marked[dofs] = True
-        return np.flatnonzero(marked[self.free])
+        return np.flatnonzero(marked[self.free_dofs])
 
     def columns_of(self, kept: Indices) -> Callable[[scipy.sparse.csr_matrix], Operator]:
         """From operators on all degrees of freedom to those on the kept unknowns; dense if small and Z only selects."""
-        if self.free is None:
+        if self.mixing is not None:
             some = self.mixing[:, kept]
             return lambda operator: (operator @ some).tocsr()
         numbers = self._numbered(kept)
@@ -125,7 +132,7 @@ class AdmissibleSpace:
     def _numbered(self, unknowns: Indices) -> NDArray[np.int32]:
         """The place of every degree of freedom's unknown among the given ones, −1 where it has none there."""
         numbers = np.full(len(self.offset), -1, dtype=np.int32)
-        numbers[self.free[unknowns]] = np.arange(len(unknowns), dtype=np.int32)
+        numbers[self.free_dofs[unknowns]] = np.arange(len(unknowns), dtype=np.int32)
         return numbers
 
 

@@ -14,17 +14,18 @@ from scipy.special import beta
 from ..base.arrays import Floats
 from ..base.checks import finite, positive
 from ..layer import Layer, PowerLayer
-from .moduli import _oedometric_modulus
-
-# ------------------------------------------------------------------------------- uniform compression
+from .moduli import oedometric_modulus
 
 
 @dataclass(frozen=True)
 class UniformCompression:
     """Two equal blocks pressed flat on each other.
 
-    pressure (stress); compression, the layers' w ≤ 0 (length); shortening of each body (length);
-    approach of the outer faces (length).
+    Attributes:
+        pressure: The contact pressure (stress).
+        compression: The layers' w ≤ 0 (length).
+        shortening: Of each body (length).
+        approach: Of the outer faces (length).
     """
 
     pressure: float
@@ -34,22 +35,41 @@ class UniformCompression:
 
 
 def uniform_compression(q: float, h: float, E: float, nu: float, B: float, a: float) -> UniformCompression:
-    """Two blocks of height h under the pressure q, sides held against sliding out, layer |w| = B σ^a between.
+    """The uniform compression of two equal blocks with a power layer between them, exact on every mesh.
 
-    Exact on every mesh: σ_n = -q everywhere ("Known answers" of the model; the paper's groove with r0 = 0).
+    σ_n = −q everywhere ("Known answers" of the model; the paper's groove with r0 = 0).
+
+    Args:
+        q: The pressure on the outer faces (stress).
+        h: The height of each block (length).
+        E: Young's modulus of both (stress).
+        nu: Their Poisson's ratio; the sides are held against sliding out.
+        B: Of the layer |w| = B σ^a (length / stress^a).
+        a: Its exponent.
+
+    Raises:
+        TypeError, ValueError: An argument is no positive number, or ν lies outside of (−1, 0.5).
+
+    Example:
+        >>> found = uniform_compression(q=10.0, h=1.0, E=2.1e5, nu=0.3, B=4e-6, a=1.1)
+        >>> print(f"{found.compression:.4e} {found.approach:.4e}")
+        -5.0357e-05 1.2111e-04
     """
     layer, q = PowerLayer(B, a), positive("q", q)
-    shortening = q * positive("h", h) / _oedometric_modulus(E, nu)
+    shortening = q * positive("h", h) / oedometric_modulus(E, nu)
     w = float(layer.compression(-q))
     return UniformCompression(pressure=q, compression=w, shortening=shortening, approach=2 * shortening - w)
 
 
-# ----------------------------------------------------------------------------------- scalar problems
-
-
 @dataclass(frozen=True)
 class ColumnStack:
-    """A stack of columns: pressure ≥ 0, compressions w ≤ 0 of the layers, shortenings of the bodies."""
+    """A stack of columns pressed by its ends.
+
+    Attributes:
+        pressure: In every contact, ≥ 0 (stress).
+        compressions: w ≤ 0 of every layer (length).
+        shortenings: Of every column (length).
+    """
 
     pressure: float
     compressions: tuple[float, ...]
@@ -63,9 +83,19 @@ def column_stack(
     gaps: Sequence[float],
     closure: float,
 ) -> ColumnStack:
-    """n columns (ν = 0) in a row, n - 1 layers and gaps between, the ends brought together by `closure`.
+    """The stack of n columns (ν = 0) with n − 1 layers and gaps, its ends brought together.
 
-    p Σ H_i/E_i + Σ |w_j(p)| = closure - Σ gaps ("Known answers"), to rounding; p = 0 if that is ≤ 0.
+    p Σ H_i/E_i + Σ |w_j(p)| = closure − Σ gaps ("Known answers"), to rounding; p = 0 if the right side is ≤ 0.
+
+    Args:
+        heights: (n,) of the columns (length).
+        moduli: (n,) Young's moduli (stress).
+        layers: (n − 1,) the laws between neighbours.
+        gaps: (n − 1,) between neighbours before they are moved (length).
+        closure: By which the ends are brought together (length).
+
+    Raises:
+        TypeError, ValueError: An argument is out of range, or the lengths of the lists do not fit.
     """
     heights = [positive(f"heights[{i}]", height) for i, height in enumerate(heights)]
     moduli = [positive(f"moduli[{i}]", modulus) for i, modulus in enumerate(moduli)]
@@ -111,9 +141,15 @@ def _check_stack(bodies: int, moduli: list[float], layers: Sequence[Layer], gaps
 
 @dataclass(frozen=True)
 class ParabolaOnLayer:
-    """A rigid parabola on a layer: half_width of the contact (length), peak_pressure (stress), and the force.
+    """A rigid parabola pressed into a layer on a rigid base.
 
-    The force is per unit length for the plane parabola, the whole one for the paraboloid.
+    Attributes:
+        approach: How deep its vertex is pressed (length).
+        R: The radius of its vertex (length).
+        layer: The law.
+        half_width: Of the contact, or its radius (length).
+        peak_pressure: Under the vertex (stress).
+        force: Per unit length for the plane parabola, the whole one for the paraboloid.
     """
 
     approach: float
@@ -124,7 +160,11 @@ class ParabolaOnLayer:
     force: float
 
     def pressure(self, x: ArrayLike) -> Floats:
-        """p = (w/B)^(1/a), w = approach - x²/(2R), at the distance x from the middle; 0 outside (stress)."""
+        """The pressure p = (w/B)^(1/a) with w = approach − x²/(2R); 0 outside of the contact.
+
+        Args:
+            x: Distances from the middle (length), of any shape.
+        """
         z = np.asarray(x, dtype=float) ** 2 / (2 * self.R) - self.approach
         return np.abs(self.layer.contact_stress(z))
 
@@ -132,10 +172,20 @@ class ParabolaOnLayer:
 def rigid_parabola_on_layer(
     approach: float, R: float, B: float, a: float, axisymmetric: bool = False
 ) -> ParabolaOnLayer:
-    """A rigid parabola x²/(2R), plane or of revolution, pressed by `approach` into a layer on a rigid base.
+    """The contact of a rigid parabola x²/(2R), plane or of revolution, with a layer on a rigid base.
 
-    With b = √(2 R approach), p₀ = (approach/B)^(1/a) and n = 1/a the force is p₀ b Beta(½, n + 1) in
-    the plane and p₀ π b² / (n + 1) axisymmetrically, from ∫ (1 - t²)^n dt and ∫ (1 - t²)^n 2π t dt.
+    With b = √(2 R approach), p₀ = (approach/B)^(1/a) and n = 1/a the force is p₀ b Beta(½, n + 1) in the plane and
+    p₀ π b² / (n + 1) axisymmetrically, from ∫ (1 − t²)^n dt and ∫ (1 − t²)^n 2π t dt.
+
+    Args:
+        approach: How deep the vertex is pressed (length).
+        R: The radius of the vertex (length).
+        B: Of the layer |w| = B σ^a (length / stress^a).
+        a: Its exponent.
+        axisymmetric: Whether it is a paraboloid.
+
+    Raises:
+        TypeError, ValueError: An argument is no positive number.
     """
     approach, R, layer = positive("approach", approach), positive("R", R), PowerLayer(B, a)
     half_width, peak, n = math.sqrt(2 * R * approach), -float(layer.stress(-approach)), 1 / layer.a

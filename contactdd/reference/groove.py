@@ -16,18 +16,21 @@ from scipy.sparse.linalg import LinearOperator, cg
 from ..base.arrays import Floats
 from ..base.checks import positive
 from ..layer import Layer, PowerLayer
-from .moduli import _oedometric_modulus, _plane_modulus
-
-# -------------------------------------------------------------------------------- the paper's groove
+from .moduli import oedometric_modulus, plane_modulus
 
 
 @dataclass(frozen=True)
 class Groove:
-    """The solved groove problem.
+    """The solved groove problem; what is not stored is worked out when asked for.
 
-    approach: of the two outer faces, on average (length). elastic_energy: of both bodies, their
-    uniform compression included; layer_energy (both stress · length² per unit thickness). The rest is
-    worked out when asked for.
+    Attributes:
+        length: Of the contact (length).
+        b: The groove's half width (length).
+        r0: Its depth (length).
+        layer: The law.
+        approach: Of the two outer faces, on average (length).
+        elastic_energy: Of both bodies, their uniform compression included (stress · length² per unit thickness).
+        layer_energy: Of the layer (the same unit).
     """
 
     length: float
@@ -40,14 +43,28 @@ class Groove:
     _closing: Floats = field(repr=False, compare=False)  # cosine coefficients of the approach of the contact faces
 
     def gap(self, x: ArrayLike) -> Floats:
-        """The deformed gap z at x in [0, length]; negative where the layer is compressed (length)."""
+        """The deformed gap z, negative where the layer is compressed (length).
+
+        Args:
+            x: Points in [0, length], of any shape.
+
+        Raises:
+            ValueError: A point lies outside.
+        """
         x = np.asarray(x, dtype=float)
         if np.any((x < 0) | (x > self.length)):
             raise ValueError(f"x = {x!r}: expected points in [0, {self.length}]")
-        return _groove_shape(x, self.b, self.r0) - chebval(np.cos(np.pi * x / self.length), self._closing)
+        return groove_shape(x, self.b, self.r0) - chebval(np.cos(np.pi * x / self.length), self._closing)
 
     def pressure(self, x: ArrayLike) -> Floats:
-        """The contact pressure at x in [0, length], 0 where the gap is open (stress)."""
+        """The contact pressure, 0 where the gap is open (stress).
+
+        Args:
+            x: Points in [0, length], of any shape.
+
+        Raises:
+            ValueError: A point lies outside.
+        """
         return np.abs(self.layer.contact_stress(self.gap(x)))
 
     @cached_property
@@ -85,23 +102,37 @@ def groove(
     a: float = 1.1,
     points: int = 2**14,
 ) -> Groove:
-    """The paper's groove between two rectangles pressed by q through a layer; its data by default (cm, MPa).
+    """The semi-analytic solution of the paper's groove between two rectangles; its data by default (cm, MPa).
 
-    Because of the symmetric sides a pressure cos(kπx/length) bulges the face in proportion, see
-    `surface_compliance`: the contact is one scalar equation on [0, length], solved by collocation in
-    `points` midpoints. With the defaults the peak pressure is good to 1e-8, the contact edge to 1e-7; the
-    error falls as points^-1.9, because the pressure rises from the edge like a power 1/a.
+    Because of the symmetric sides a pressure cos(kπx/length) bulges the face in proportion, see `surface_compliance`:
+    the contact is one scalar equation on [0, length], solved by collocation in `points` midpoints. With the defaults
+    the peak pressure is good to 1e-8, the contact edge to 1e-7; the error falls as points^-1.9, because the pressure
+    rises from the edge like a power 1/a.
 
-    Raises RuntimeError if the iteration doesn't converge, which may happen with layers a million times
-    stiffer than the paper's, and ValueError or TypeError for arguments out of range.
+    Args:
+        length: Of the rectangles (length).
+        height: Of each of them (length).
+        b: The groove's half width (length).
+        r0: Its depth (length).
+        E: Young's modulus of both (stress).
+        nu: Their Poisson's ratio.
+        q: The pressure on the outer faces (stress).
+        B: Of the layer |w| = B σ^a (length / stress^a).
+        a: Its exponent.
+        points: Of the collocation.
+
+    Raises:
+        RuntimeError: The iteration doesn't converge, which may happen with layers a million times stiffer than the
+            paper's.
+        TypeError, ValueError: An argument is out of range.
     """
     length, b, r0, q = positive("length", length), positive("b", b), positive("r0", r0), positive("q", q)
-    height, modulus, layer = positive("height", height), _oedometric_modulus(E, nu), PowerLayer(B, a)
+    height, modulus, layer = positive("height", height), oedometric_modulus(E, nu), PowerLayer(B, a)
     if not isinstance(points, int) or points < 2:
         raise ValueError(f"points = {points!r}: expected an integer >= 2")
     compliance = np.append(0.0, surface_compliance(np.pi / length * np.arange(1, points), height, E, nu))
     x = (np.arange(points) + 0.5) * length / points
-    equation = _GrooveEquation(layer, q, _groove_shape(x, b, r0), 2 * compliance)
+    equation = _GrooveEquation(layer, q, groove_shape(x, b, r0), 2 * compliance)
     s, c = equation.solve()
 
     harmonics = dct(s) / points
@@ -120,13 +151,20 @@ def groove(
 
 
 def surface_compliance(wavenumber: ArrayLike, height: float, E: float, nu: float) -> Floats:
-    """C with u_n = C cos(κx) under the pressure cos(κx) on the face of an elastic layer (length / stress).
+    """The compliance C of an elastic layer's face: u_n = C cos(κx) under the pressure cos(κx) (length / stress).
 
-    No shear on either face, no harmonic pressure on the other one, plane strain. With κ = wavenumber > 0
-    (1 / length), C = 2(1 - ν²)/(Eκ) · (sinh κh cosh κh + κh) / (sinh² κh - κ²h²). It tends to the
-    half-plane's 2(1 - ν²)/(Eκ) for κh → ∞ and to the plate's 12(1 - ν²)/(E κ⁴h³) for κh → 0.
+    No shear on either face, no harmonic pressure on the other one, plane strain:
+    C = 2(1 − ν²)/(Eκ) · (sinh κh cosh κh + κh) / (sinh² κh − κ²h²). It tends to the half-plane's 2(1 − ν²)/(Eκ) for
+    κh → ∞ and to the plate's 12(1 − ν²)/(E κ⁴h³) for κh → 0.
 
-    Raises TypeError or ValueError for arguments that aren't positive, or ν outside (-1, 0.5).
+    Args:
+        wavenumber: κ > 0 (1 / length), of any shape.
+        height: h (length).
+        E: Young's modulus (stress).
+        nu: Poisson's ratio.
+
+    Raises:
+        TypeError, ValueError: An argument isn't positive, or ν lies outside of (−1, 0.5).
     """
     wavenumber = np.asarray(wavenumber, dtype=float)
     if not np.all(wavenumber > 0):
@@ -135,10 +173,10 @@ def surface_compliance(wavenumber: ArrayLike, height: float, E: float, nu: float
     # Numerator and denominator times 4 exp(-2κh), so that nothing overflows.
     decay, slender = np.exp(-2 * kh), 2 * kh * np.exp(-kh)
     shape = (1 - decay**2 + 4 * kh * decay) / ((1 - decay - slender) * (1 - decay + slender))
-    return 2 / (_plane_modulus(E, nu) * wavenumber) * shape
+    return 2 / (plane_modulus(E, nu) * wavenumber) * shape
 
 
-def _groove_shape(x: Floats, b: float, r0: float) -> Floats:
+def groove_shape(x: Floats, b: float, r0: float) -> Floats:
     """d(x) = r₀ {[1 - (x/b)²]⁺}^(3/2)."""
     return r0 * np.maximum(1 - (x / b) ** 2, 0) ** 1.5
 

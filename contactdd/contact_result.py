@@ -1,0 +1,261 @@
+"""What a solve tells of one contact, at its points: pressures, gaps and their resultants, as plain arrays."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .base.arrays import Floats
+from .base.checks import as_floats
+from .base.polyline import Polyline, polyline
+from .base.table import frame, vector_columns, write_csv
+
+
+@dataclass(frozen=True)
+class ContactResult:
+    """The contact quantities at the n points of a contact.
+
+    Lengths, stresses and forces are in the user's own units. Integrals are per unit thickness in the plane and over
+    the full ring between bodies of revolution.
+
+    Args:
+        x: (n, dim) the points, on the first body's surface.
+        normal: (n, dim) outward unit normals of the first body.
+        weights: (n,) the area that each point stands for.
+        gap: (n,) the deformed gap z = d − u_αn − u_βn, eq. (14) (length).
+        compression: (n,) of the layer, w = min(z, 0) (length).
+        pressure: (n,) the contact pressure −σ_n >= 0 (stress).
+        unpaired_area: the area of either surface that lies opposite nothing and is therefore outside the contact.
+        initial_gap: (n,) the gap d before deformation (length).
+        corners: (facets, corners, dim) of the first body's contact surface, in order around each facet.
+        ring: whether the bodies are bodies of revolution, x[:, 0] the radius.
+    """
+
+    x: Floats
+    normal: Floats
+    weights: Floats
+    gap: Floats
+    compression: Floats
+    pressure: Floats
+    unpaired_area: tuple[float, float] = (0.0, 0.0)
+    initial_gap: Floats | None = None
+    corners: Floats | None = None
+    ring: bool = False
+
+    @property
+    def unmatched(self) -> tuple[float, float]:
+        """The old name of `unpaired_area`."""
+        warnings.warn("ContactResult.unmatched is now called unpaired_area", DeprecationWarning, stacklevel=2)
+        return self.unpaired_area
+
+    @property
+    def closed(self) -> NDArray[np.bool_]:
+        """Where the layer is compressed, (n,)."""
+        return self.gap < 0.0
+
+    @property
+    def force(self) -> float:
+        """The contact force ∫ p ds."""
+        return float(self.weights @ self.pressure)
+
+    @property
+    def force_vector(self) -> Floats:
+        """The resultant −∫ p n ds of the contact pressure on the first body, (dim,).
+
+        On the second body it is the opposite. Around a ring radial tractions sum to zero.
+        """
+        total = -(self.weights * self.pressure) @ self.normal
+        return total * [0.0, 1.0] if self.ring else total
+
+    @property
+    def area(self) -> float:
+        """The real contact area: where the layer is compressed."""
+        return float(self.weights[self.closed].sum())
+
+    @property
+    def nominal_area(self) -> float:
+        """The area of the possible contact zone S_αβ."""
+        return float(self.weights.sum())
+
+    @property
+    def peak_pressure(self) -> float:
+        """The largest contact pressure at the points (stress)."""
+        return float(self.pressure.max())
+
+    @property
+    def mean_pressure(self) -> float:
+        """The contact force over the real contact area (stress); zero where nothing touches."""
+        return self.force / self.area if self.area > 0.0 else 0.0
+
+    @property
+    def mean_approach(self) -> float:
+        """The mean of u_αn + u_βn = d − z over the nominal area: how far the surfaces have come together (length)."""
+        return float(self.weights @ self.approach / self.nominal_area)
+
+    @property
+    def approach(self) -> Floats:
+        """u_αn + u_βn at the points, (n,): how far the surfaces have come together (length)."""
+        return self._known("initial_gap", self.initial_gap) - self.gap
+
+    @property
+    def centre_of_pressure(self) -> Floats:
+        """∫ p x ds / ∫ p ds, (dim,), on the axis for a ring; not a number where nothing touches."""
+        if self.force == 0.0:
+            return np.full(self.x.shape[1], np.nan)
+        centre = (self.weights * self.pressure) @ self.x / self.force
+        return centre * [0.0, 1.0] if self.ring else centre
+
+    def moment(self, about: ArrayLike = 0.0) -> float | Floats:
+        """The moment −∫ (x − x₀) × n p ds of the contact pressure on the first body about a point.
+
+        Args:
+            about: x₀, (dim,), or one number for all its coordinates.
+
+        Returns:
+            The moment about the axis z in the plane, (3,) in space; zero for a ring, which is pressed all round.
+        """
+        arms = self.x - as_floats("about", about, f"{self.x.shape[1]} numbers")
+        forces = -(self.weights * self.pressure)[:, None] * self.normal
+        if self.x.shape[1] == 3:
+            return np.cross(arms, forces).sum(axis=0)
+        return 0.0 if self.ring else float(np.sum(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]))
+
+    @cached_property
+    def arc_length(self) -> Floats:
+        """The arc length of the points along the first body's surface, (n,) (length); in the plane only.
+
+        It starts at the surface's end with the smaller x (of equal ones, the smaller y); closed surfaces start there
+        too and run counter-clockwise. In a body of revolution it is that of the meridian.
+        """
+        return self._curve.locate(self.x)[0]
+
+    def sorted(self) -> ContactResult:
+        """The same result, its points in the order of `arc_length`; in space in that of x, y, z."""
+        order = np.argsort(self.arc_length, kind="stable") if self.x.shape[1] == 2 else np.lexsort(self.x.T[::-1])
+        initial = None if self.initial_gap is None else self.initial_gap[order]
+        parts = {n: getattr(self, n)[order] for n in ("x", "normal", "weights", "gap", "compression", "pressure")}
+        return replace(self, initial_gap=initial, **parts)
+
+    @property
+    def edge(self) -> Floats:
+        """Where contact begins and ends along the surface, (k, dim): the zeros of z between points; in the plane only.
+
+        Contact that reaches the end of the surface has no edge there.
+        """
+        ordered = self.sorted()
+        chain, z = self._curve.locate(ordered.x)[1], ordered.gap
+        turns = np.flatnonzero((chain[1:] == chain[:-1]) & ((z[1:] < 0.0) != (z[:-1] < 0.0)))
+        part = z[turns] / (z[turns] - z[turns + 1])
+        return ordered.x[turns] + part[:, None] * (ordered.x[turns + 1] - ordered.x[turns])
+
+    def at(self, points: ArrayLike) -> dict[str, Floats]:
+        """The gap, the compression and the pressure at other points of the surface, interpolated linearly.
+
+        Args:
+            points: (m, dim), on or near the contact surface; the nearest point of it counts.
+
+        Returns:
+            {"gap", "compression", "pressure"}: (m,) each. Between the last point and the surface's end it is the
+            last point's value.
+
+        Raises:
+            ValueError: for points farther from the surface than its facets are large, and in space where the surface
+                bends back over itself, so that no plane shows it all.
+        """
+        dim = self.x.shape[1]
+        wanted = as_floats("points", points, f"coordinates of shape (m, {dim})")
+        if wanted.ndim != 2 or wanted.shape[1] != dim or not np.all(np.isfinite(wanted)):
+            raise ValueError(f"points of shape {wanted.shape}: expected finite coordinates of shape (m, {dim})")
+        values = {"gap": self.gap, "compression": self.compression, "pressure": self.pressure}
+        self._check_near(wanted)
+        return self._along(wanted, values) if dim == 2 else self._across(wanted, values)
+
+    def columns(self) -> dict[str, Any]:
+        """The result as columns by name, in the order of `sorted`: what `frame` and `to_csv` hold."""
+        own = self.sorted() if self.x.shape[1] == 3 or self.corners is not None else self
+        table = vector_columns("", own.x)
+        if own.x.shape[1] == 2 and own.corners is not None:
+            table["arc_length"] = own.arc_length
+        table |= vector_columns("normal", own.normal) | {"weight": own.weights}
+        if own.initial_gap is not None:
+            table["initial_gap"] = own.initial_gap
+        return table | {
+            "gap": own.gap,
+            "compression": own.compression,
+            "pressure": own.pressure,
+            "closed": own.closed.astype(int),
+        }
+
+    def frame(self) -> Any:
+        """The result as a pandas DataFrame, one row per point. Raises ImportError where pandas is not installed."""
+        return frame(self.columns())
+
+    def to_csv(self, path: str | os.PathLike[str]) -> Path:
+        """The CSV file written, one line per point; the numbers read back are the same to the last digit."""
+        return write_csv(path, self.columns())
+
+    def __repr__(self) -> str:
+        alone = "".join(
+            f", {area:.6g} of the {which} surface without a partner"
+            for which, area in zip(("first", "second"), self.unpaired_area, strict=True)
+            if area > 0.0
+        )
+        numbers = f"{len(self.x)} points, peak pressure {self.peak_pressure:.6g}, force {self.force:.6g}"
+        return f"ContactResult({numbers}{alone})"
+
+    @cached_property
+    def _curve(self) -> Polyline:
+        if self.x.shape[1] != 2:
+            raise ValueError("the contact is a surface in space: it has no arc length and no edge of single points")
+        return polyline(self._known("corners", self.corners))
+
+    def _known(self, name: str, value: Floats | None) -> Floats:
+        if value is None:
+            raise ValueError(f"{name}: this result was made without it")
+        return value
+
+    def _check_near(self, points: Floats) -> None:
+        """Refuse points that are not on the surface."""
+        corners = self._known("corners", self.corners)
+        size = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max()
+        away = np.linalg.norm(points[:, None] - self.x[None], axis=2).min(axis=1)
+        if np.any(away > 2.0 * size):
+            worst = int(np.argmax(away))
+            raise ValueError(
+                f"points: {points[worst]} is {away[worst]:.3g} away from the contact; expected points on it"
+            )
+
+    def _along(self, points: Floats, values: dict[str, Floats]) -> dict[str, Floats]:
+        """Values interpolated along the curve, each of its pieces by itself."""
+        place, piece, _ = self._curve.locate(points)
+        own, own_piece, _ = self._curve.locate(self.x)
+        found = {name: np.zeros(len(points)) for name in values}
+        for chain in np.unique(piece):
+            order = np.flatnonzero(own_piece == chain)
+            order = order[np.argsort(own[order], kind="stable")]
+            for name, value in values.items():
+                found[name][piece == chain] = np.interp(place[piece == chain], own[order], value[order])
+        return found
+
+    def _across(self, points: Floats, values: dict[str, Floats]) -> dict[str, Floats]:
+        """Values interpolated over a surface in space, seen along its mean normal; the nearest beyond its points."""
+        from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+
+        mean = self.weights @ self.normal
+        mean /= max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
+        if np.min(self.normal @ mean) < 0.1:
+            raise ValueError(
+                "points: the contact surface bends back over itself; expected one that a plane shows whole"
+            )
+        axes = np.linalg.svd(mean[None])[2][1:]
+        seen, wanted, stacked = self.x @ axes.T, points @ axes.T, np.stack(list(values.values()), axis=1)
+        inside = LinearNDInterpolator(seen, stacked)(wanted)
+        result = np.where(np.isnan(inside), NearestNDInterpolator(seen, stacked)(wanted), inside)
+        return dict(zip(values, result.T, strict=True))

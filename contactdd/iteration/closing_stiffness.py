@@ -1,0 +1,38 @@
+"""How stiff a contact is: the derivative of its force by the approach of its bodies, from the tangent (17)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..base.arrays import Floats
+from ..base.ranks import Ranks
+from ..scheme import SCHEMES
+from ..system.ensemble import Ensemble, norm
+from .step import find_step
+
+#: The residual of the linear problem, relative to its right-hand side, that counts as solved: rounding of large scenes.
+SOLVED = 1e-12
+
+
+def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], place: int) -> float:
+    """dF/dδ of the contact at a place of the scene, δ by which its gap d shrinks everywhere, all loads kept.
+
+    With W = w χ g'(z) and C y = u_αn + u_βn the tangent gives (A + Cᵀ W C) dy = −Cᵀ W 1 dδ, dF = 1ᵀ W (1 dδ + C dy).
+    """
+    contacts = zip(ensemble.interfaces, gaps, strict=True)
+    phi = {index: interface.contact.layer.contact_derivative(z) for index, (interface, z) in enumerate(contacts)}
+    weights = ensemble.weights * ensemble.at_all_points(phi)
+    own = np.zeros(len(weights))
+    own[ensemble.points[place]] = 1.0
+    rhs = -(ensemble.closing.T @ (weights * own))
+    if not np.any(rhs):
+        return float(own @ weights)  # open, or nothing that could move
+    step, y, left, before = find_step(SCHEMES["auto"], ensemble, ranks), np.zeros(len(rhs)), rhs, np.inf
+    # A direct solve is exact at once, Krylov's method comes closer until rounding ends that.
+    while SOLVED * norm(rhs) < norm(left) < 0.5 * before:
+        before = norm(left)
+        y = y + ranks.agree(step.correct(phi, left, norm(rhs)))
+        left = rhs - ensemble.tangent(phi, y)
+    return float(own @ (weights * (own + ensemble.closing @ y)))

@@ -1,0 +1,99 @@
+"""A contact surface facet by facet, as plain arrays: what maps and files show of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .base.arrays import Floats, Indices
+
+#: What `SurfaceResult.status` says.
+STATUS = {0: "nothing opposite", 1: "open", 2: "partly closed", 3: "closed"}
+
+
+@dataclass(frozen=True)
+class SurfaceResult:
+    """One body's side of a contact, f facets on m nodes of the body's own degree.
+
+    Args:
+        name: of the contact.
+        body: the name of the body whose surface it is.
+        points: (m, dim) the nodes.
+        cells: (f, k) the nodes of each facet, in VTK's order.
+        cell_type: VTK's number of the facets' shape.
+        displacement: (m, dim) of the body at the nodes (length).
+        areas: (f,) of the facets.
+        covered: (f,) the part of each facet that lies opposite the other surface.
+        closed: (f,) the part of what is covered where the layer is compressed.
+        pressure: (f,) the mean over the facet, so that areas @ pressure is the contact force (stress).
+        gap, compression: (f,) the means over what is covered (length); not a number where that is nothing.
+        projected_pressure: (m,) a continuous pressure at the nodes, where the solution has one.
+    """
+
+    name: str
+    body: str
+    points: Floats
+    cells: Indices
+    cell_type: int
+    displacement: Floats
+    areas: Floats
+    covered: Floats
+    closed: Floats
+    pressure: Floats
+    gap: Floats
+    compression: Floats
+    projected_pressure: Floats | None = None
+
+    @property
+    def status(self) -> Indices:
+        """The state of each facet, (f,), see `STATUS`; 1e-6 of a facet is rounding."""
+        state = np.where(self.closed >= 1.0 - 1e-6, 3, np.where(self.closed > 1e-6, 2, 1))
+        return np.where(self.covered > 1e-6, state, 0)
+
+    @property
+    def outlines(self) -> Floats:
+        """The corners of the facets in order around each, (f, corners, dim)."""
+        corners = {3: 2, 68: 2, 5: 3, 69: 3, 9: 4, 70: 4}[self.cell_type]
+        return self.points[self.cells[:, :corners]]
+
+    @property
+    def edge(self) -> Floats:
+        """The edge of contact in space as line segments, (e, 2, 3): where the gap is zero between facets.
+
+        The gap is taken as linear from each facet's middle, where it is the facet's mean, to its corners, where it is
+        the mean of the facets around. The surface's own rim is not part of the edge. (0, 2, dim) in the plane.
+        """
+        outlines = self.outlines
+        if outlines.shape[2] == 2:
+            return np.zeros((0, 2, 2))
+        told = ~np.isnan(self.gap)
+        outlines, middle = outlines[told], self.gap[told]
+        nodes = self.cells[told][:, : outlines.shape[1]]
+        count = np.bincount(nodes.ravel(), minlength=len(self.points))
+        sums = np.bincount(nodes.ravel(), np.repeat(middle, nodes.shape[1]), minlength=len(self.points))
+        corner = sums[nodes] / count[nodes]
+        centre = np.broadcast_to(outlines.mean(axis=1)[:, None], outlines.shape)
+        triangles = np.stack([centre, outlines, np.roll(outlines, -1, axis=1)], axis=2).reshape(-1, 3, 3)
+        values = np.stack(
+            [np.broadcast_to(middle[:, None], corner.shape), corner, np.roll(corner, -1, axis=1)], axis=2
+        ).reshape(-1, 3)
+        return zero_lines(triangles, values)
+
+
+#: Both sides of a contact, None for that of a body without a mesh.
+Surfaces = tuple[SurfaceResult | None, SurfaceResult | None]
+
+
+def zero_lines(triangles: Floats, values: Floats) -> Floats:
+    """The segments (m, 2, dim) where linear functions, given at triangles' corners, are zero: (n, 3) on (n, 3, dim)."""
+    negative = values < 0.0
+    alone = np.where(negative.sum(axis=1) == 1, np.argmax(negative, axis=1), np.argmin(negative, axis=1))
+    cut = np.flatnonzero(negative.any(axis=1) & ~negative.all(axis=1))
+    one = alone[cut]
+    ends = []
+    for other in ((one + 1) % 3, (one + 2) % 3):
+        near, far = values[cut, one], values[cut, other]
+        part = (near / (near - far))[:, None]
+        ends.append((1.0 - part) * triangles[cut, one] + part * triangles[cut, other])
+    return np.stack(ends, axis=1)

@@ -1,0 +1,55 @@
+"""Pictures of how iterations converge (matplotlib)."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+
+import numpy as np
+
+from ..base.arrays import Floats
+from ..base.checks import check_choice
+from .picture import BLUE, GREEN, GREY, RED, Figure
+
+#: Of Okabe and Ito's palette, each with a line of its own for those who see no colours.
+STYLES = ((BLUE, "-"), (RED, "--"), (GREEN, "-."), ("#CC79A7", ":"), ("#E69F00", "-"), ("#56B4E9", "--"), (GREY, "-."))
+
+
+def rate(values: Floats) -> float:
+    """The factor per iteration by which values fall: of the line fitted to their logarithms over the second half.
+
+    Not a number for fewer than three values that are above zero.
+    """
+    used = values[len(values) // 2 :] if len(values) >= 6 else values
+    used = used[used > 0.0]
+    if len(used) < 3:
+        return float("nan")
+    return float(np.exp(np.polyfit(np.arange(len(used)), np.log(used), 1)[0]))
+
+
+def plot_convergence(
+    runs: Mapping[str, Floats], *, quantity: str = "residual", path: str | os.PathLike[str] | None = None
+) -> Figure:
+    """A figure of what `quantity` ("residual" or "change") was in every iteration of one or several runs.
+
+    The legend gives each run's fitted `rate`, where there is one.
+    """
+    check_choice("quantity", quantity, ("residual", "change"))
+    figure = Figure(figsize=(7.0, 4.6), layout="constrained")
+    axes = figure.subplots()
+    for (name, values), (colour, line) in zip(runs.items(), STYLES * (1 + len(runs) // len(STYLES)), strict=False):
+        fitted = rate(values)
+        label = name if np.isnan(fitted) else f"{name}, × {fitted:.3g} per iteration".lstrip(", ")
+        shown = np.where(values > 0.0, values, np.nan)
+        # Points of many iterations would be a thick line.
+        marks = {"marker": "o", "markersize": 3} if len(values) < 60 else {}
+        axes.semilogy(np.arange(1, len(values) + 1), shown, line, color=colour, label=label, **marks)
+    axes.set_xlabel("iteration")
+    axes.set_ylabel(quantity)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(True, axis="y", color="#dddddd", linewidth=0.6)
+    if any(axes.get_legend_handles_labels()):
+        axes.legend(frameon=False)
+    if path is not None:
+        figure.savefig(path, dpi=150)
+    return figure
