@@ -71,19 +71,22 @@ class CustomLayer(LimitedLayer):
     def compression_limit(self) -> float:
         if math.isinf(self._pole):
             return math.inf
-        left = (self._pole - self.compression_range) * np.logspace(0, -14, 57)
-        c = self._pole - left
-        with np.errstate(all="ignore"):
-            slopes = self._chord(c, left / 8)
-            good = np.isfinite(slopes) & (slopes <= STEEP * slopes[0]) & np.isfinite(self._known_slope(c))
-        return float(c[good].max(initial=self.compression_range))
+        low, high = self.compression_range, self._pole
+        steepest = STEEP * self._chord(low)
+        for _ in range(100):  # to neighbouring doubles
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if self._chord(middle) <= steepest else (low, middle)
+        return low
 
     def _known_pressure(self, c: Floats) -> Floats:
         return -np.asarray(self._g(-c), dtype=float)
 
-    def _chord(self, c: Floats, width: Floats) -> Floats:
-        """The slope just above c."""
-        return (self._known_pressure(c) - self._known_pressure(c - width)) / width
+    def _chord(self, c: float) -> float:
+        """The slope just above c, short of the pole."""
+        near = np.array([c, c - 1e-3 * min(c, self._pole - c)])
+        with np.errstate(all="ignore"):
+            p = self._known_pressure(near)
+        return float((p[0] - p[1]) / (near[0] - near[1]))
 
     def _find_pole(self) -> float:
         """Where g stops to be finite and increasing after it has steepened; inf if it never does."""
@@ -99,10 +102,7 @@ class CustomLayer(LimitedLayer):
                 middle = 0.5 * (low + high)
                 reached = self._at_or_nan(middle)
                 low, high = (middle, high) if np.isfinite(reached) and reached >= floor else (low, middle)
-            near, first = low - 1e-6 * (low - self.compression_range), self.compression_range
-            ends = np.array([near, first])
-            slopes = self._chord(ends, 1e-7 * ends)
-        return float(high) if slopes[0] > 10 * slopes[1] else math.inf
+        return float(high) if self._chord(low - 1e-6 * (low - good[0])) > 10 * self._chord(good[0]) else math.inf
 
     def _at_or_nan(self, c: float) -> float:
         """The pressure beyond compression_range, where g may not care to be asked."""
