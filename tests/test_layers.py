@@ -419,6 +419,12 @@ def test_custom_law_with_a_pole_is_known_up_to_it():
     assert np.all(np.diff(own.contact_stress(-h * np.linspace(0.9, 5, 400))) < 0)
 
 
+def test_custom_law_that_rounding_makes_zero_has_a_slope_of_zero_there():
+    own = cd.CustomLayer(lambda w: np.log(1 + w), compression_range=0.5)  # 1 - 1e-20 = 1
+    assert own.divided_difference(-1e-20, -1e-20) == 0.0
+    assert own.divided_difference(-1e-20, -1e-21) == 0.0
+
+
 @pytest.mark.parametrize(
     ("law", "steepens"), [(np.tanh, False), (lambda w: np.sin(w / 1.6), False), (lambda w: w / (1 + w / 3), True)]
 )
@@ -499,6 +505,132 @@ def test_column_in_closed_form(name, method):
     # The residual is relative to the forces; the chord method with 0.6 stops where the last change is below it.
     np.testing.assert_allclose(solution.contact().pressure, p, rtol=1e-8)
     assert not solution.notes
+
+
+def test_solution_says_that_a_table_has_ended():
+    layer = cd.TableLayer([1e-4, 3e-4], [10.0, 100.0])
+    with pytest.warns(cd.LayerRangeWarning, match=r"on 1 of its area .* where it is known to 0\.0003"):
+        solution = cd.solve(column(layer, 3e-3))
+    assert len(solution.notes) == 1
+    assert "go on straight" in repr(solution)
+
+
+@pytest.mark.parametrize("method", ["auto", "newton-krylov", "chord"])
+def test_layer_that_varies_along_the_surface(method):
+    """On bodies a million times stiffer every point is a column of its own: w = -Δ, p = k(x) Δ."""
+    layer = cd.VaryingLayer(cd.PowerLayer, B=lambda x: 1e-2 * (1 + x[0]), a=1.2)
+    solution = cd.solve(column(layer, 1e-4, gap=0.0), method, tolerance=1e-11)
+    result = solution.contact()
+    exact = (-result.compression / (1e-2 * (1 + result.x[:, 0]))) ** (1 / 1.2)
+    np.testing.assert_allclose(result.pressure, exact, rtol=1e-12)
+    assert np.ptp(result.compression) < 1e-3 * 1e-4
+    # The same at other points, and after the layer was changed for another.
+    finer = solution.contact(degree=9)
+    exact = (-finer.compression / (1e-2 * (1 + finer.x[:, 0]))) ** (1 / 1.2)
+    np.testing.assert_allclose(finer.pressure, exact, rtol=1e-12)
+    other = cd.solve(solution.scene.with_layer(cd.VaryingLayer(cd.LinearLayer, stiffness=lambda x: 1 + x[0])), method)
+    np.testing.assert_allclose(
+        other.contact().pressure, -other.contact().compression * (1 + other.contact().x[:, 0]), rtol=1e-12
+    )
+
+
+def test_varying_layer_follows_a_gap_that_changes():
+    gap = cd.Parameter(0.0)
+    layer = cd.VaryingLayer(cd.LinearLayer, stiffness=lambda x: 10 * (1 + x[0]))
+    scene = column(layer, 1e-3, gap=gap)
+    first = cd.solve(scene).contact().force
+    gap.value = 5e-4
+    assert cd.solve(scene).contact().force == pytest.approx(first / 2, rel=1e-6)
+
+
+WALLS = {
+    "logarithmic": cd.LogarithmicLayer(1e3, 1e-3),
+    "its own": cd.CustomLayer(lambda w: 1e3 * np.log(1 + w / 1e-3), compression_range=9e-4),
+    "hyperbolic": cd.HyperbolicLayer(1e6, 1e-3),
+}
+
+
+@pytest.mark.parametrize("method", ["auto", "newton-chord", "anderson", "newton-krylov"])
+@pytest.mark.parametrize("name", WALLS)
+def test_column_pressed_from_beyond_a_pole(name, method):
+    """The columns overlap by three times the closure that nothing exceeds: the law has no pressure where they start.
+
+    Methods whose steps the energy watches over arrive from anywhere; a relaxation that is given may not.
+    """
+    layer, closure = WALLS[name], 3e-3
+    limit = float(-layer.contact_stress(-layer.compression_limit))
+    p = brentq(lambda p: 2 * p * H / E - float(layer.compression(-p)) - closure, 0.0, limit, rtol=1e-14)
+    solution = cd.solve(column(layer, 0.0, gap=-closure), method, tolerance=1e-10)
+    np.testing.assert_allclose(solution.contact().pressure, p, rtol=1e-7)
+    assert np.all(-solution.contact().gap < 1e-3)
+
+
+def test_barton_bandis_joint_in_a_column_under_a_load():
+    """V p / (K V + p) = 0.192990 of V = 0.2 under p = 100: the last 4 % of the way to the wall."""
+    layer = cd.HyperbolicLayer(stiffness=18.16, closure=0.2)
+    sides = cd.Symmetry("left", "right")
+    lower = cd.Body("lower", cd.rectangle((0, 0), (2, 1), (4, 2)), STEEL, supports=[sides, cd.Symmetry("bottom")])
+    upper = cd.Body(
+        "upper", cd.rectangle((0, 1), (2, 2), (4, 2)), STEEL, supports=[sides], loads=[cd.Pressure("top", 100.0)]
+    )
+    scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), layer)])
+    for method in ("auto", "newton-krylov", "chord"):
+        compression = cd.solve(scene, method).contact().compression
+        np.testing.assert_allclose(-compression, 0.192990, atol=1e-6)
+
+
+def test_calculix_contact1():
+    """Its two blocks in series, as stiff as M A/h: force 0.8310962, displacements -2.9399321e-6 and -2.9874144e-6.
+
+    The load, 1, acts on the contact face of the upper block, whose other end is held; F = 0.2 exp(3e7 d) on 0.2 × 0.2.
+    """
+    material, sides = cd.Isotropic(2.1e5, 0.3), cd.Symmetry("left", "right")
+    lower = cd.Body(
+        "lower", cd.rectangle((0, -0.04), (0.2, 0), (4, 2)), material, supports=[sides, cd.Symmetry("bottom")]
+    )
+    upper = cd.Body(
+        "upper",
+        cd.rectangle((0, 0), (0.2, 0.2), (4, 4)),
+        material,
+        supports=[sides, cd.Symmetry("top")],
+        loads=[cd.Traction("bottom", [0.0, -25.0])],
+    )
+    layer = cd.ExponentialLayer.of_separation(p0=5.0, decay=1 / 3e7)
+    scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), layer)])
+    solution = cd.solve(scene, tolerance=1e-12)
+    # Seven and eight digits are given.
+    assert 0.2 * solution.contact().force == pytest.approx(0.8310962, abs=1e-7)
+    for body, exact in (("lower", -2.9399321e-6), ("upper", -2.9874144e-6)):
+        vertical = solution.displacement(body).x.array.reshape(-1, 2)[:, 1]
+        assert vertical.min() == pytest.approx(exact, abs=5e-14)
+
+
+def test_rigid_sphere_on_an_elastic_foundation():
+    """F = k π h² (3R - h) / 3, a rigid sphere's, exactly spherical gap; the error is that of the edge: second order."""
+    R, h, k, errors = 10.0, 0.1, 3e3, []
+    exact = k * math.pi * h**2 * (3 * R - h) / 3
+    stiff = cd.Isotropic(1e15, 0.3)  # the bodies yield 1e-9 of the layer
+    for cells in (20, 40, 80):
+        lower = cd.Body(
+            "foundation",
+            cd.rectangle((0, -1), (2, 0), (cells, 2)),
+            stiff,
+            supports=[cd.Fixed("bottom"), cd.Symmetry("left")],
+            kinematics="axisymmetric",
+        )
+        sphere = cd.Body(
+            "sphere",
+            cd.rectangle((0, 0), (2, 1), (cells, 2)),
+            stiff,
+            supports=[cd.Displacement("top", [0, -h]), cd.Symmetry("left")],
+            kinematics="axisymmetric",
+        )
+        gap = lambda x: R - np.sqrt(R**2 - x[0] ** 2)  # noqa: E731
+        layer = cd.LinearLayer(k)
+        scene = cd.Scene([lower, sphere], [cd.Contact((lower, "top"), (sphere, "bottom"), layer, gap=gap)])
+        errors.append(abs(cd.solve(scene).contact().force / exact - 1))
+    assert max(errors) < 2e-3
+    assert errors[-1] < 1e-4
 
 
 @pytest.mark.parametrize(

@@ -123,7 +123,7 @@ class CustomLayer(LimitedLayer):
         rise = p_deep - self._known_pressure(shallow)
         # Where either difference exceeds a tenth the quotient loses one digit. Elsewhere the law's
         # singularities are many widths away, and eight Gauss points average its slope to rounding.
-        near = ~((width >= 0.1 * deep) | (rise >= 0.1 * p_deep))
+        near = ~((width > 0) & ((width >= 0.1 * deep) | (rise >= 0.1 * p_deep)))
         quotient = np.divide(rise, width, out=np.zeros_like(rise), where=~near)
         quotient[near] = mean_slope(self._known_slope, shallow[near], width[near])
         return quotient
