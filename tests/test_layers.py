@@ -574,7 +574,7 @@ def test_barton_bandis_joint_in_a_column_under_a_load():
         "upper", cd.rectangle((0, 1), (2, 2), (4, 2)), STEEL, supports=[sides], loads=[cd.Pressure("top", 100.0)]
     )
     scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), layer)])
-    for method in ("auto", "newton-krylov", "chord"):
+    for method in ("auto", "newton-krylov", "newton-chord"):
         compression = cd.solve(scene, method).contact().compression
         np.testing.assert_allclose(-compression, 0.192990, atol=1e-6)
 
@@ -598,11 +598,11 @@ def test_calculix_contact1():
     layer = cd.ExponentialLayer.of_separation(p0=5.0, decay=1 / 3e7)
     scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), layer)])
     solution = cd.solve(scene, tolerance=1e-12)
-    # Seven and eight digits are given.
+    # Seven digits are given, cut off.
     assert 0.2 * solution.contact().force == pytest.approx(0.8310962, abs=1e-7)
     for body, exact in (("lower", -2.9399321e-6), ("upper", -2.9874144e-6)):
         vertical = solution.displacement(body).x.array.reshape(-1, 2)[:, 1]
-        assert vertical.min() == pytest.approx(exact, abs=5e-14)
+        assert vertical.min() == pytest.approx(exact, abs=5e-13)
 
 
 def test_rigid_sphere_on_an_elastic_foundation():
