@@ -19,6 +19,7 @@ from .contact_result import ContactResult
 from .errors import (
     CheckpointError,
     ContactError,
+    ContactWarning,
     LargeStrainWarning,
     LayerRangeWarning,
     LooseBodyError,
@@ -26,6 +27,7 @@ from .errors import (
     NoEquilibriumError,
     NotConvergedError,
 )
+from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
 from .history import History, Record
 from .layer import Layer, LinearLayer, PowerLayer
 from .load import BodyForce, Pressure, Resultant, Traction
@@ -35,7 +37,7 @@ from .local.problem import ContactTrace, Fields, LocalProblem
 from .local.reduced import ReducedProblem
 from .local.task import LocalTask
 from .material import Anisotropic, Isotropic, Material, Orthotropic
-from .mesh import Mesh, box, from_dolfinx, from_gmsh, read_gmsh, rectangle
+from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import LoadPath, StepFailedError, programme
@@ -83,6 +85,7 @@ __all__ = [
     "ContactError",
     "ContactResult",
     "ContactTrace",
+    "ContactWarning",
     "CustomLayer",
     "DenseSystem",
     "Displacement",
@@ -135,7 +138,9 @@ __all__ = [
     "load_solution",
     "one_point",
     "programme",
+    "read_bodies",
     "read_gmsh",
+    "read_mesh",
     "rectangle",
     "reference",
     "register_local_solver",

@@ -7,8 +7,9 @@ from copy import copy
 from typing import Any
 
 import numpy as np
+import ufl
 
-from .base.checks import as_count, check_choice, positive
+from .base.checks import as_bool, as_count, check_choice, positive
 from .body import Body
 from .field import check_field
 from .layer import Layer
@@ -52,7 +53,14 @@ class Contact:
         if all(body.mesh is None for body in bodies):
             raise ValueError(f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one body with a mesh")
         _check_layer(layer)
+        if bodies[0].kinematics.dim != bodies[1].kinematics.dim:
+            raise ValueError(
+                f"body {bodies[0].name!r} has {bodies[0].kinematics.dim} coordinates, body {bodies[1].name!r} "
+                f"{bodies[1].kinematics.dim}; expected both in the plane or both in space"
+            )
         check_field("gap", gap)
+        if isinstance(gap, ufl.core.expr.Expr):
+            raise TypeError(f"gap = {gap!r}: expected a number or a function of the coordinates")
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
         check_choice("quadrature", quadrature, RULES)
@@ -64,7 +72,7 @@ class Contact:
         self.sides = sides
         self.layer = layer
         self.gap = gap
-        self.measure_gap = bool(measure_gap)
+        self.measure_gap = as_bool("measure_gap", measure_gap)
         self.search_distance = None if search_distance is None else positive("search_distance", search_distance)
         self.quadrature = quadrature
         self.quadrature_degree = None if quadrature_degree is None else as_count("quadrature_degree", quadrature_degree)

@@ -9,6 +9,10 @@ class ContactError(Exception):
     """The base of the errors that a run of the solver can end in."""
 
 
+class ContactWarning(UserWarning):
+    """A result that is right for the discretised scene and may not be for the one that was meant."""
+
+
 class LooseBodyError(ContactError):
     """A body that neither its supports nor the active contact hold.
 
@@ -20,11 +24,14 @@ class LooseBodyError(ContactError):
         self.body = body
         self.motion = motion
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.body, self.motion)
+
 
 class NotConvergedError(ContactError):
     """A run that ended without a solution.
 
-    Attributes: `status` and `reason`, and `solution`, the last state with its history.
+    Attributes: `status` and `reason`, and `solution`, the last state with its history (None in a pickled copy).
     """
 
     def __init__(self, status: str, reason: str, solution: Any) -> None:
@@ -32,6 +39,9 @@ class NotConvergedError(ContactError):
         self.status = status
         self.reason = reason
         self.solution = solution
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.status, self.reason, None)
 
 
 class NoEquilibriumError(NotConvergedError):
@@ -47,12 +57,15 @@ class NoEquilibriumError(NotConvergedError):
         self.body = body
         self.motion = motion
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.body, self.motion, None)
+
 
 class CheckpointError(ContactError, ValueError):
     """A checkpoint that is missing, damaged or of another run."""
 
 
-class LayerRangeWarning(UserWarning):
+class LayerRangeWarning(ContactWarning):
     """A solution in which a layer is compressed further than its law is known: beyond a table's end, or to a pole."""
 
 

@@ -12,7 +12,7 @@ import ufl
 from dolfinx import fem
 from dolfinx import mesh as dmesh
 
-from .base.checks import as_floats
+from .base.checks import as_floats, check_vector
 from .parameter import Parameter, ParameterField, current
 
 #: What a user may give for a load or a prescribed displacement.
@@ -37,6 +37,16 @@ def check_field(name: str, value: Any, vector: bool = False) -> None:
     array = as_floats(name, given, expected)
     if array.shape not in (((2,), (3,)) if vector else ((),)) or not np.all(np.isfinite(array)):
         raise ValueError(f"{name} = {value!r}: expected {expected}")
+
+
+def check_dimension(name: str, value: Any, dim: int) -> None:
+    """Refuse a vector of another number of components than `dim`; functions tell theirs only where they are asked."""
+    value = current(value)
+    if isinstance(value, ufl.core.expr.Expr):
+        if value.ufl_shape != (dim,):
+            raise ValueError(f"{name}: expected a UFL expression of shape {(dim,)}, got {value.ufl_shape}")
+    elif not callable(value):
+        check_vector(name, value, dim)
 
 
 def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], degree: int) -> Any:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats
-from .base.checks import finite, positive, positive_values
+from .base.checks import as_bool, finite, positive, positive_values
 
 
 class Layer(ABC):
@@ -246,7 +246,7 @@ class LinearLayer(Layer):
         6.0
         """
         E, thickness = positive("E", E), positive("thickness", thickness)
-        modulus = _sheet_modulus(E, finite("nu", nu), bonded)
+        modulus = _sheet_modulus(E, finite("nu", nu), as_bool("bonded", bonded))
         if bonded and nu > 0.45:
             warnings.warn(
                 f"nu = {nu:g}: a bonded sheet that is nearly incompressible is a Winkler layer only where pressures "

@@ -12,15 +12,22 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
-from .base.checks import as_floats
 from .elements import Elements
-from .field import Field, check_field, coefficient
+from .field import Field, check_dimension, check_field, coefficient
 from .parameter import current
 
 
 @dataclass(frozen=True)
 class Pressure:
-    """A normal pressure on a named surface, positive when it pushes (stress units)."""
+    """A normal pressure on a named surface, positive when it pushes.
+
+    Args:
+        surface: The name of the surface.
+        value: p (stress): a number, a function of the coordinates x (3, points), a UFL expression or a `Parameter`.
+
+    Raises:
+        TypeError, ValueError: The value can be no pressure.
+    """
 
     surface: str
     value: Field
@@ -29,13 +36,28 @@ class Pressure:
         check_field("pressure", self.value)
 
     def form(self, on: Elements, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            on: The elements of the body.
+            v: Their test function.
+        """
         p = coefficient("pressure", self.value, on.domain, (), on.field_degree)
         return on.over_surface(-p * ufl.dot(ufl.FacetNormal(on.domain), v), self.surface)
 
 
 @dataclass(frozen=True)
 class Traction:
-    """A surface load vector on a named surface (stress units)."""
+    """A surface load vector on a named surface.
+
+    Args:
+        surface: The name of the surface.
+        value: p (dim,) (stress): a number, a function of the coordinates x (3, points), a UFL expression or a
+            `Parameter`, with as many components as there are coordinates.
+
+    Raises:
+        TypeError, ValueError: The value can be no vector field.
+    """
 
     surface: str
     value: Field
@@ -43,40 +65,106 @@ class Traction:
     def __post_init__(self) -> None:
         check_field("traction", self.value, vector=True)
 
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        check_dimension("traction", self.value, dim)
+
     def form(self, on: Elements, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            on: The elements of the body.
+            v: Their test function.
+        """
         p = coefficient("traction", self.value, on.domain, (on.dim,), on.field_degree)
         return on.over_surface(ufl.dot(p, v), self.surface)
 
 
 @dataclass(frozen=True)
 class BodyForce:
-    """A force per unit volume."""
+    """A force per unit volume.
+
+    Args:
+        value: f (dim,) (force / length³): a number, a function of the coordinates x (3, points), a UFL expression or a
+            `Parameter`, with as many components as there are coordinates.
+
+    Raises:
+        TypeError, ValueError: The value can be no vector field.
+    """
 
     value: Field
 
     def __post_init__(self) -> None:
         check_field("body force", self.value, vector=True)
 
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        check_dimension("body force", self.value, dim)
+
     def form(self, on: Elements, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            on: The elements of the body.
+            v: Their test function.
+        """
         f = coefficient("body force", self.value, on.domain, (on.dim,), on.field_degree)
         return on.over_volume(ufl.dot(f, v))
 
 
 @dataclass(frozen=True)
 class Resultant:
-    """A total force (dim,) spread evenly over a named surface: the same traction force / area everywhere on it.
+    """A total force spread evenly over a named surface: the same traction force / area everywhere on it.
 
-    The force is per unit of thickness in the plane, and that of the full ring in a body of revolution, where only an
-    axial one exists.
+    Args:
+        surface: The name of the surface.
+        force: (dim,) per unit of thickness in the plane, that of the full ring in a body of revolution, where only an
+            axial one exists: numbers or a `Parameter`.
+
+    Raises:
+        TypeError, ValueError: The force is no vector of finite numbers.
     """
 
     surface: str
     force: Field
 
     def __post_init__(self) -> None:
-        as_floats("force", current(self.force), "2 or 3 finite numbers")
+        if callable(current(self.force)) or isinstance(self.force, ufl.core.expr.Expr):
+            raise TypeError(f"force = {self.force!r}: expected 2 or 3 finite numbers")
+        check_field("force", self.force, vector=True)
+
+    def check(self, dim: int) -> None:
+        """Refuse a vector of another number of components than a body of that dimension has coordinates.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        check_dimension("force", self.force, dim)
 
     def form(self, on: Elements, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            on: The elements of the body.
+            v: Their test function.
+        """
         force = current(self.force)
         if callable(force) or np.shape(force) != (on.dim,) or not np.all(np.isfinite(force)):
             raise ValueError(f"force = {self.force!r}: expected {on.dim} finite numbers")

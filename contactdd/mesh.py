@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
-import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import basix
 import numpy as np
 from dolfinx import mesh as dmesh
-from mpi4py import MPI
 from numpy.typing import NDArray
 
 from .base import compat
-from .base.checks import as_count, as_floats, check_choice, finite
-from .base.facets import facet_corners, facet_entities
+from .base.arrays import Floats
+from .base.checks import as_count, as_floats, check_choice, finite, listed
+from .base.conformity import hanging_nodes, pieces, ring_edges
+from .base.facets import facet_corners, facet_entities, facet_nodes
 from .base.isometry import Isometry, isometry_between, reflection, translation
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
@@ -33,15 +30,25 @@ Cells = int | Sequence[float] | NDArray[np.float64]
 class Mesh:
     """A dolfinx mesh and the boundary facets of each named surface.
 
-    domain: the dolfinx mesh (plane or solid, any cell type); surfaces: {name: sorted facet indices}.
-    Raises ValueError for a mesh spread over several ranks, for coordinates that are not finite, for cells that are
-    degenerate, inverted or fold over their neighbours, and for a surface without facets or with facets inside the body.
+    Args:
+        domain: the dolfinx mesh (plane or solid, any cell type).
+        surfaces: {name: sorted facet indices}.
+        left_out: {name: why} of groups that a file has but that are no surfaces, for whoever asks for one.
+
+    Raises:
+        TypeError: if `domain` is no dolfinx mesh, or facet indices are no whole numbers.
+        ValueError: for a mesh spread over several ranks, for coordinates that are not finite, for cells that are
+            degenerate, inverted or fold over their neighbours, for hanging nodes, and for a surface without facets or
+            with facets that are not there or inside the body.
     """
 
     domain: dmesh.Mesh
     surfaces: Mapping[str, NDArray[np.int32]]
+    left_out: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not isinstance(self.domain, dmesh.Mesh):
+            raise TypeError(f"domain = {self.domain!r}: expected a dolfinx mesh")
         ranks = self.domain.comm.size
         if ranks > 1:
             raise ValueError(
@@ -69,8 +76,10 @@ class Mesh:
 
     def facets(self, surface: str) -> NDArray[np.int32]:
         """The facet indices of a named surface; a name that is not there is refused with the list of those that are."""
+        if isinstance(surface, str) and surface in self.left_out:
+            raise ValueError(f"surface = {surface!r}: {self.left_out[surface]}; expected a part of the boundary")
         if not isinstance(surface, str) or surface not in self.surfaces:
-            known = _listed(list(self.surfaces))
+            known = listed(self.surfaces)
             raise ValueError(f"surface = {surface!r}: the mesh has no surface of that name (it has {known})")
         return self.surfaces[surface]
 
@@ -89,7 +98,27 @@ class Mesh:
 
     def with_surfaces(self, **markers: Marker) -> Mesh:
         """The same mesh with more named surfaces, each given by a function x (3, points) -> bool of boundary facets."""
-        return Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)})
+        left_out = {name: why for name, why in self.left_out.items() if name not in markers}
+        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, left_out)
+        vars(mesh).update(self._pieces_known())
+        return mesh
+
+    @cached_property
+    def piece_of_cell(self) -> NDArray[np.int64]:
+        """The number of the piece that each cell belongs to, (cells,); different pieces share no node."""
+        corners = len(basix.geometry(compat.coordinate_map(self.domain).cell_type))
+        return pieces(compat.geometry_dofmap(self.domain)[:, :corners])
+
+    def _pieces_known(self) -> dict[str, Any]:
+        """What a mesh of the same cells need not find again."""
+        return {name: value for name, value in vars(self).items() if name == "piece_of_cell"}
+
+    def pieces(self) -> list[Mesh]:
+        """The pieces that share no node, each a mesh with those of the named surfaces that it has a part of.
+
+        A mesh in one piece gives itself. The pieces are in the order of their first cells in the dolfinx mesh.
+        """
+        return _pieces(self) if self.piece_of_cell.max() > 0 else [self]
 
     def isometry_from(self, other: Mesh) -> Isometry | None:
         """The motion or mirror image that takes another mesh's nodes to this one's, one by one; None if there is none.
@@ -127,16 +156,28 @@ class Mesh:
         # Its cells are as good as those of this mesh, unless rounding has moved their corners.
         if not np.abs(isometry.signs * (image - isometry.offset) - x).max() <= 1e-10 * self.size:
             raise ValueError(f"{asked}: so far away a mesh of the size {self.size:g} loses the digits of its shape")
-        return Mesh._sound(compat.with_coordinates(self.domain, image), self.surfaces, self._entities)
+        copy = Mesh._sound(compat.with_coordinates(self.domain, image), self.surfaces, self._entities, self.left_out)
+        vars(copy).update(self._pieces_known())
+        return copy
 
     @classmethod
     def _sound(
-        cls, domain: dmesh.Mesh, surfaces: Mapping[str, NDArray[np.int32]], entities: dict[str, NDArray[np.int32]]
+        cls,
+        domain: dmesh.Mesh,
+        surfaces: Mapping[str, NDArray[np.int32]],
+        entities: dict[str, NDArray[np.int32]],
+        left_out: Mapping[str, str],
     ) -> Mesh:
         """A mesh in which nothing has to be looked for that could be refused."""
         mesh = object.__new__(cls)
-        vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities)
+        vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities, left_out=left_out)
         return mesh
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        raise TypeError(
+            "a mesh, and what is made with it, can't be pickled or copied deeply, since dolfinx keeps it; expected a "
+            "function that makes the scene anew, a cd.Parameter for other loads, or scene.with_layer(...)"
+        )
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{name}: {len(facets)}" for name, facets in self.surfaces.items())
@@ -183,100 +224,92 @@ def box(
     return _structured(domain, corners, lines, (("left", "right"), ("front", "back"), ("bottom", "top")))
 
 
-def from_dolfinx(domain: dmesh.Mesh, **markers: Marker) -> Mesh:
-    """A mesh made with dolfinx, its surfaces given as functions x (3, points) -> bool of boundary facets."""
+def from_dolfinx(
+    domain: dmesh.Mesh,
+    facet_tags: Any = None,
+    *,
+    names: Mapping[str, int | Sequence[int]] | None = None,
+    **markers: Marker,
+) -> Mesh:
+    """A mesh made with dolfinx, with its boundary surfaces named.
+
+    Args:
+        domain: a dolfinx mesh on one rank.
+        facet_tags: dolfinx `MeshTags` of facets.
+        names: {name: tag, or tags} of the surfaces; by default each tag is named by its number ("2").
+        markers: more surfaces, each a function x (3, points) -> bool of boundary facets.
+
+    Raises:
+        TypeError: if `domain` is no dolfinx mesh or `facet_tags` no MeshTags.
+        ValueError: if a tag is not there, or for what `Mesh` refuses. Tags inside the body are kept out of the way, and
+            refused when they are asked for.
+    """
     if not isinstance(domain, dmesh.Mesh):
         raise TypeError(f"domain = {domain!r}: expected a dolfinx mesh")
-    return Mesh(domain, _mark(domain, markers))
+    groups, left_out = _tagged(domain, facet_tags, names)
+    return Mesh(domain, {**groups, **_mark(domain, markers)}, left_out)
 
 
-def from_gmsh(model: Any, dim: int = 2, *, body: str | None = None) -> Mesh:
-    """The mesh of the current gmsh model, its surfaces named by the physical groups of dimension `dim` - 1.
+def from_arrays(
+    cells: NDArray[np.int64],
+    x: Floats,
+    element: Any,
+    surfaces: Mapping[str, NDArray[np.int64]],
+    left_out: Mapping[str, str],
+) -> Mesh:
+    """The mesh of cells (cells, nodes), their nodes at x (nodes, dim) in the order of the coordinate element.
 
-    body: the physical group of dimension `dim` to take where the model has several (by default all cells in groups).
-    Raises ValueError where a group that is needed is missing.
+    surfaces: (cell, local facet) of each facet of a named surface, (facets, 2). The cells have to be good ones.
     """
-    groups = {model.getPhysicalName(d, tag): (d, tag) for d, tag in model.getPhysicalGroups()}
-    bodies = [name for name, (d, _) in groups.items() if d == dim]
-    if not bodies:
-        raise ValueError(f"the gmsh model has no physical group of dimension {dim}: no cells would be exported")
-    if body is not None and body not in bodies:
-        raise ValueError(f"body = {body!r}: expected a physical group of dimension {dim}, one of {_listed(bodies)}")
-    if not any(d == dim - 1 for d, _ in groups.values()):
-        raise ValueError(f"the gmsh model has no physical group of dimension {dim - 1}: no surface would have a name")
-    if body is not None:
-        _keep_only(model, dim, groups[body])
-    domain, _, facet_tags, names = compat.gmsh_model_to_mesh(model, MPI.COMM_SELF, 0, dim)
-    surfaces = {name: np.sort(facet_tags.find(tag)) for name, (group_dim, tag) in names.items() if group_dim == dim - 1}
-    return Mesh(domain, {name: facets for name, facets in surfaces.items() if len(facets)})
+    domain = compat.from_arrays(cells, np.ascontiguousarray(x), element)
+    dim = domain.topology.dim
+    domain.topology.create_connectivity(dim, dim - 1)
+    of_cell = domain.topology.connectivity(dim, dim - 1).array.reshape(len(cells), -1)
+    places = np.argsort(domain.topology.original_cell_index)
+    facets = {name: np.unique(of_cell[places[pairs[:, 0]], pairs[:, 1]]) for name, pairs in surfaces.items()}
+    return Mesh(domain, facets, left_out)
 
 
-def read_gmsh(path: str | Path, dim: int = 2, *, body: str | None = None, order: int = 1, **parameters: float) -> Mesh:
-    """The mesh in a .msh file, or of a .geo script with its ONELAB numbers "Parameters/…" set to `parameters`.
-
-    body: see `from_gmsh`; order: of the geometry, 2 for curved cells. What a script makes is kept in the user's cache
-    (`mesh_cache`) and made anew when the script, the parameters or the order change.
-    """
-    import gmsh
-
-    path = Path(path)
-    if not path.is_file():
-        raise FileNotFoundError(f"path = {str(path)!r}: no such file")
-    if path.suffix != ".geo" and (parameters or order != 1):
-        raise ValueError(f"path = {str(path)!r}: parameters and order are for .geo scripts; a .msh file has its own")
-    gmsh.initialize(["contactdd", "-v", "2"], interruptible=False)
-    try:
-        gmsh.open(str(_meshed(gmsh, path, dim, order, parameters) if path.suffix == ".geo" else path))
-        return from_gmsh(gmsh.model, dim, body=body)
-    finally:
-        gmsh.finalize()
+def inside_the_body(facets: int) -> str:
+    """Why a group of facets is no surface."""
+    return f"{facets} facets of that group are inside the body, between cells"
 
 
-def mesh_cache() -> Path:
-    """The folder of the meshes made from scripts: contactdd/meshes in $XDG_CACHE_HOME or ~/.cache."""
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "contactdd" / "meshes"
+def _tagged(
+    domain: dmesh.Mesh, tags: Any, names: Mapping[str, int | Sequence[int]] | None
+) -> tuple[dict[str, NDArray[np.int32]], dict[str, str]]:
+    """The surfaces that tags of facets give, and why others give none."""
+    if tags is None:
+        if names is not None:
+            raise ValueError(f"names = {names!r}: expected facet_tags beside them")
+        return {}, {}
+    dim = domain.topology.dim
+    if not isinstance(tags, dmesh.MeshTags):
+        raise TypeError(f"facet_tags = {tags!r}: expected MeshTags of dolfinx")
+    if tags.dim != dim - 1:
+        raise ValueError(f"facet_tags: tags of entities of dimension {tags.dim}; expected {dim - 1}, the facets'")
+    known = [int(tag) for tag in np.unique(tags.values)]
+    chosen = {str(tag): [tag] for tag in known} if names is None else {n: _tags(n, tag) for n, tag in names.items()}
+    surfaces, left_out = {}, {}
+    for name, wanted in chosen.items():
+        missing = [tag for tag in wanted if tag not in known]
+        if missing:
+            raise ValueError(f"names: {name!r} is the tag {missing[0]}, which no facet has (there are {known})")
+        facets = np.unique(tags.indices[np.isin(tags.values, wanted)]).astype(np.int32)
+        within = _within(domain, facets)
+        if within:
+            left_out[name] = inside_the_body(within)
+        else:
+            surfaces[name] = facets
+    return surfaces, left_out
 
 
-def _meshed(gmsh: Any, script: Path, dim: int, order: int, parameters: Mapping[str, float]) -> Path:
-    """The .msh file of a script, from the cache or made now."""
-    text = script.read_text()
-    if not text.endswith("\n"):
-        raise ValueError(
-            f"path = {str(script)!r}: expected a line break at the end, without which gmsh cuts the last line"
-        )
-    values = {name: finite(name, value) for name, value in sorted(parameters.items())}
-    recipe = json.dumps([text, values, dim, order, gmsh.__version__])
-    target = mesh_cache() / f"{script.stem}-{hashlib.sha256(recipe.encode()).hexdigest()[:16]}.msh"
-    if not target.is_file():
-        gmsh.open(str(script))
-        known = [name.removeprefix("Parameters/") for name in gmsh.onelab.getNames("Parameters/.*")]
-        for name, value in values.items():
-            if name not in known:
-                raise ValueError(f"{name} = {value!r}: {script.name} has no such parameter (it has {_listed(known)})")
-            gmsh.onelab.setNumber(f"Parameters/{name}", [value])
-        gmsh.clear()
-        gmsh.open(str(script))
-        gmsh.model.mesh.generate(dim)
-        gmsh.model.mesh.setOrder(order)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        # Written aside and moved, so that a run that is interrupted or runs beside another leaves no half file.
-        unfinished = target.with_name(f"{os.getpid()}-{target.name}")
-        gmsh.write(str(unfinished))
-        unfinished.replace(target)
-        gmsh.clear()
-    return target
-
-
-def _keep_only(model: Any, dim: int, group: tuple[int, int]) -> None:
-    """Take all out of a gmsh model but the cells of one physical group and what is around them."""
-    kept = {int(entity) for entity in model.getEntitiesForPhysicalGroup(*group)}
-    model.removeEntities([(d, tag) for d, tag in model.getEntities(dim) if tag not in kept], recursive=True)
-    model.mesh.renumberNodes()
-    model.mesh.renumberElements()
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(repr(name) for name in sorted(names)) or "none"
+def _tags(name: str, tags: Any) -> list[int]:
+    """One tag or several as a list."""
+    each = np.atleast_1d(np.asarray(tags))
+    if not isinstance(name, str) or each.ndim != 1 or each.dtype.kind not in "iu":
+        raise TypeError(f"names: {name!r} is {tags!r}; expected a name and its whole number or numbers")
+    return [int(tag) for tag in each]
 
 
 def _grid(
@@ -323,7 +356,9 @@ def _structured(
     shortest = steps.min()
     # Boxes that are not flat, and not so small that they are lost in the rounding of coordinates, are good cells.
     sound = shortest > 1e-4 * steps.max() and shortest > 1e-8 * np.abs(corners).max()
-    return Mesh._sound(domain, surfaces, entities) if sound else Mesh(domain, surfaces)
+    mesh = Mesh._sound(domain, surfaces, entities, {}) if sound else Mesh(domain, surfaces)
+    vars(mesh).update(piece_of_cell=np.zeros(mesh.cells, dtype=np.int64))  # one piece, without a look at the cells
+    return mesh
 
 
 def _move(domain: dmesh.Mesh, lines: list[NDArray[np.float64]]) -> None:
@@ -390,6 +425,45 @@ def _check_cells(domain: dmesh.Mesh) -> None:
     _refuse_cells(domain, ratio < 1e-12, "degenerate (of no volume)")
     _refuse_cells(domain, np.ptp(np.sign(volumes), axis=0) > 0, "inverted (their map turns inside out)")
     _refuse_cells(domain, _folded(domain), "folded over a neighbour (inverted)")
+    _refuse_hanging_nodes(domain)
+
+
+def _refuse_hanging_nodes(domain: dmesh.Mesh) -> None:
+    """Refuse nodes in the middle of a neighbour's edge: displacements would gape there."""
+    entities = facet_entities(domain, dmesh.exterior_facet_indices(domain.topology))
+    hanging = hanging_nodes(ring_edges(facet_nodes(domain, entities)), domain.geometry.x)
+    if len(hanging):
+        at = domain.geometry.x[hanging[0]][: domain.topology.dim]
+        raise ValueError(
+            f"mesh: {len(hanging)} hanging nodes, one of them at {at}, lie in the middle of a neighbour's edge; "
+            "expected cells that meet corner to corner"
+        )
+
+
+def _others(mesh: Mesh, surfaces: Mapping[str, Any]) -> dict[str, str]:
+    """The names of a mesh that one of its pieces has no part of, and why."""
+    missing = {name: "no facet of it belongs to this piece" for name in mesh.surfaces if name not in surfaces}
+    return {**mesh.left_out, **missing}
+
+
+def _pieces(mesh: Mesh) -> list[Mesh]:
+    """Each piece as a mesh of its own."""
+    dofmap, element = compat.geometry_dofmap(mesh.domain), mesh.domain.ufl_domain().ufl_coordinate_element()
+    found = []
+    for number in range(int(mesh.piece_of_cell.max()) + 1):
+        cells = np.flatnonzero(mesh.piece_of_cell == number)
+        nodes, local = np.unique(dofmap[cells], return_inverse=True)
+        ours = {name: pairs[np.isin(pairs[:, 0], cells)] for name, pairs in mesh._entities.items()}
+        surfaces = {
+            name: np.column_stack([np.searchsorted(cells, pairs[:, 0]), pairs[:, 1]])
+            for name, pairs in ours.items()
+            if len(pairs)
+        }
+        x = mesh.domain.geometry.x[nodes, : mesh.dim]
+        found.append(
+            from_arrays(local.reshape(len(cells), -1).astype(np.int64), x, element, surfaces, _others(mesh, surfaces))
+        )
+    return found
 
 
 def _folded(domain: dmesh.Mesh) -> NDArray[np.bool_]:
@@ -440,8 +514,22 @@ def _refuse_cells(domain: dmesh.Mesh, bad: NDArray[np.bool_], what: str) -> None
 def _check_surface(domain: dmesh.Mesh, name: str, facets: NDArray[np.int32]) -> None:
     if len(facets) == 0:
         raise ValueError(f"surface {name!r} has no facets: no facet of the boundary is where it should be")
-    dim = domain.topology.dim
-    domain.topology.create_connectivity(dim - 1, dim)
-    inside = int(np.sum(np.diff(domain.topology.connectivity(dim - 1, dim).offsets)[facets] != 1))
+    if np.ndim(facets) != 1 or np.asarray(facets).dtype.kind not in "iu":
+        raise TypeError(f"surface {name!r}: expected the indices of its facets, an array (facets,) of whole numbers")
+    inside = _within(domain, facets, name)
     if inside:
         raise ValueError(f"surface {name!r}: {inside} of its {len(facets)} facets are inside the body")
+
+
+def _within(domain: dmesh.Mesh, facets: NDArray[np.int32], name: str = "") -> int:
+    """How many of some facets are inside the body; refuses indices that no facet has."""
+    dim = domain.topology.dim
+    domain.topology.create_connectivity(dim - 1, dim)
+    cells = np.diff(domain.topology.connectivity(dim - 1, dim).offsets)
+    strange = (facets < 0) | (facets >= len(cells))
+    if np.any(strange):
+        raise ValueError(
+            f"surface {name!r}: the facet {facets[strange][0]} is not there; expected indices from 0 to "
+            f"{len(cells) - 1}"
+        )
+    return int(np.sum(cells[facets] != 1))

@@ -46,9 +46,12 @@ class MeshlessBody(ABC):
 
     @abstractmethod
     def gap(self, x: Floats, direction: Floats) -> Floats:
-        """The distances (n,) from points x (n, dim) along unit vectors direction (n, dim) to this body's surface.
+        """The distances (n,) from points along directions to this body's surface (length), negative where they lie
+        inside.
 
-        Negative where the points lie inside of the body (length).
+        Args:
+            x: (n, dim) the points, on the other body's surface.
+            direction: (n, dim) unit vectors, out of the other body.
         """
 
     @abstractmethod
@@ -56,6 +59,10 @@ class MeshlessBody(ABC):
         """The operator (n, dofs) from the degrees of freedom to u_n of the surface opposite the points.
 
         u_n is counted along this body's outward normal, which is −direction.
+
+        Args:
+            x: (n, dim) the points, on the other body's surface.
+            direction: (n, dim) unit vectors, out of the other body.
         """
 
     @property
@@ -81,5 +88,9 @@ class MeshlessBody(ABC):
         return np.eye(self.size), np.eye(self.size)
 
     def resultant(self, forces: Floats) -> Floats:
-        """The total force (dim,) of forces (dofs,)."""
+        """The total force (dim,) of forces.
+
+        Args:
+            forces: (dofs,) on the degrees of freedom.
+        """
         return np.array(forces[: self.kinematics.dim])

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .base.arrays import Floats
-from .base.checks import check_choice
+from .base.checks import as_bool, check_choice
 from .base.table import frame, numbered_columns, write_csv
 from .body_result import BodyResult
 from .contact import Contact
@@ -121,6 +121,9 @@ class StepFailedError(ContactError):
         super().__init__(f"{path.status}: {path.reason}")
         self.path = path
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (replace(self.path, solutions=[], failed=None),)  # what a pickled copy can hold
+
 
 def programme(
     scene: Scene,
@@ -150,27 +153,72 @@ def programme(
         raise TypeError(f"parameter = {parameter!r}: expected a cd.Parameter")
     if not scene.follows(parameter):
         raise ValueError(f"parameter = {parameter!r}: no load, support or gap of the scene follows it")
-    values, path, rows = list(values), LoadPath(), {name: [] for name in record or {}}
+    values, record = _values(values), _functions(record)
+    keep_solutions = as_bool("keep_solutions", keep_solutions)
+    with scene.ranks.together():
+        path = _run(scene, parameter, values, record, keep_solutions, start, solve_options)
+        if not path.converged and on_failure == "raise":
+            raise StepFailedError(path)
+        return path
+
+
+def _run(
+    scene: Scene,
+    parameter: Parameter,
+    values: Sequence[ArrayLike],
+    record: Mapping[str, Callable[[Solution], ArrayLike]],
+    keep_solutions: bool,
+    start: Given | Solution | None,
+    options: Mapping[str, Any],
+) -> LoadPath:
+    """The steps of a load programme, up to the first that fails."""
+    path, rows = LoadPath(), {name: [] for name in record}
+    lengths = scene.ranks.gather(len(values))
+    if len(set(lengths)) > 1:
+        raise ValueError(f"values: their numbers on the ranks are {lengths}; expected the same values on all")
     for number, value in enumerate(values, 1):
         parameter.value = value
         try:
-            solution = _step(scene, start, solve_options)
+            solution = _step(scene, start, options)
         except NotConvergedError as error:
             path.status, path.failed = error.status, error.solution
             path.reason = f"step {number} of {len(values)}, value {parameter.value}: {error.reason}"
             break
         start = solution
         path.values.append(parameter.value)
-        for name, function in (record or {}).items():
+        for name, function in record.items():
             rows[name].append(np.asarray(function(solution), dtype=float))
         if keep_solutions:
             path.solutions.append(solution)
     else:
         path.reason = f"{len(values)} steps"
     path.records = {name: np.array(row) for name, row in rows.items()}
-    if not path.converged and on_failure == "raise":
-        raise StepFailedError(path)
     return path
+
+
+def _values(values: Iterable[ArrayLike]) -> Sequence[ArrayLike]:
+    """The values of a programme, each checked before the first step."""
+    wrong = not isinstance(values, Iterable) or isinstance(values, str | bytes | Mapping)
+    if wrong or (isinstance(values, np.ndarray) and values.ndim == 0):
+        raise TypeError(f"values = {values!r}: expected a sequence of numbers or arrays")
+    found = list(values)
+    for value in found:
+        Parameter(value)  # refuses what none can have
+    return found
+
+
+def _functions(
+    record: Mapping[str, Callable[[Solution], ArrayLike]] | None,
+) -> Mapping[str, Callable[[Solution], ArrayLike]]:
+    """What is to be recorded at each step, by name."""
+    if record is None:
+        return {}
+    if not isinstance(record, Mapping):
+        raise TypeError(f"record = {record!r}: expected a dictionary of functions of a solution")
+    for name, function in record.items():
+        if not isinstance(name, str) or not callable(function):
+            raise TypeError(f"record = {{{name!r}: {function!r}}}: expected a function of a solution")
+    return record
 
 
 def _step(scene: Scene, start: Given | Solution | None, options: Mapping[str, Any]) -> Solution:

@@ -19,15 +19,25 @@ from .interface.discretise import Interface, discretise
 from .layer import Layer
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
 from .local.problem import LocalProblem
+from .local.space import admissible_space
 from .meshless import MeshlessBody
 from .parameter import Parameter, parameters
+from .support import Displacement, Spring, Support
 
 
 class Scene:
-    """Bodies and contacts. What does not change between solves is made when first needed and kept.
+    """Bodies and contacts, checked to fit each other.
 
-    comm: the MPI ranks that share the bodies' work, by default this one alone. All of them have to make the same scene
-    and the same solves; every rank then has the whole solution.
+    Factorisations and discretised contacts are computed on first use and reused by later solves.
+
+    Args:
+        bodies: At least two, their names unique.
+        contacts: Between them; every body is in one at least.
+        comm: The MPI ranks that share the bodies' work, by default this one alone. Collective: every rank must
+            construct the same scene and call the same solves; each receives the whole solution.
+
+    Raises:
+        TypeError, ValueError: Bodies and contacts make no scene.
     """
 
     def __init__(
@@ -90,9 +100,16 @@ class Scene:
         self._read, self._interfaces, self._solvers = read, interfaces, solvers
 
     def with_layer(self, layer: Layer, contact: str | None = None) -> Scene:
-        """The same scene with another layer in a contact, by its name, or in all of them.
+        """The same scene with another layer in a contact, or in all of them.
 
         Everything that does not depend on the layer is shared: a sweep over layers costs the interfaces only.
+
+        Args:
+            layer: The new law.
+            contact: The name of the contact, by default all.
+
+        Raises:
+            ValueError: There is no contact of that name.
         """
         names = [other.name for other in self.contacts]
         if contact is not None and contact not in names:
@@ -107,7 +124,11 @@ class Scene:
         return other
 
     def follows(self, parameter: Parameter) -> bool:
-        """Whether any load, prescribed displacement or gap of the scene follows the parameter."""
+        """Whether any load, prescribed displacement or gap of the scene follows a parameter.
+
+        Args:
+            parameter: The parameter.
+        """
         return any(parameter is other for other in self._parameters())
 
     def _parameters(self) -> list[Parameter]:
@@ -138,6 +159,9 @@ class Scene:
         for body in self.bodies:
             if id(body) not in touching:
                 raise ValueError(f"body {body.name!r} has no contact; expected bodies that touch others")
+        for body in self.bodies:
+            if body.mesh is not None and _may_contradict(body.supports):
+                admissible_space(body)  # refuses supports that prescribe different displacements
 
     def _check_contact(self, contact: Contact, used: dict[tuple[int, int], str]) -> None:
         """The bodies of a contact are the scene's, and no facet is in two contacts."""
@@ -156,3 +180,10 @@ class Scene:
                         f"{used[key]!r} uses already"
                     )
                 used[key] = contact.name
+
+
+def _may_contradict(supports: Sequence[Support]) -> bool:
+    """Whether supports, as they will always be, might prescribe different displacements of one point."""
+    holding = [support for support in supports if not isinstance(support, Spring)]
+    prescribing = [support for support in holding if isinstance(support, Displacement)]
+    return bool(prescribing) and len(holding) > 1 and not parameters(s.values for s in prescribing)

@@ -11,12 +11,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats
+from .base.checks import as_bool, as_floats, check_choice
 from .layer import Layer
 
 #: A 0/1 function ψ of the gaps z (n,) and the points x (dim, n): where the Robin condition is set.
 Subset = Callable[[Floats, Floats], Floats]
+
+
+#: How the linear problem of a scheme may be solved.
+STEPS = ("decomposed", "direct", "krylov", "auto")
 
 
 #: φ from the layer, the gaps z^k and z^{k−1} (n,) and the points x (dim, n).
@@ -37,6 +43,23 @@ class Scheme:
     step: str
     equation: str
     accelerated: bool = False
+
+    def __post_init__(self) -> None:
+        for name in ("name", "equation"):
+            if not isinstance(getattr(self, name), str):
+                raise TypeError(f"{name} = {getattr(self, name)!r}: expected a text")
+        if not callable(self.coefficient):
+            raise TypeError(f"coefficient = {self.coefficient!r}: expected a function (layer, z, z_previous, x) -> φ")
+        check_choice("step", self.step, STEPS)
+        as_bool("accelerated", self.accelerated)
+
+    def phi(self, layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
+        """φ at the points of a contact, (n,).
+
+        Raises ValueError or TypeError where a coefficient of the user's gives anything but n numbers >= 0.
+        """
+        values = self.coefficient(layer, z, z_previous, x)
+        return values if self.coefficient in COEFFICIENTS else _checked(self.name, values, z)
 
     @property
     def decomposed(self) -> bool:
@@ -75,10 +98,39 @@ def kurchatov(layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
 def one_point(psi: Subset) -> Scheme:
     """The decomposed one-point scheme (22) with your own subset: φ = ψ g'(z)."""
 
+    if not callable(psi):
+        raise TypeError(f"psi = {psi!r}: expected a function (z, x) -> 0 or 1 at every point")
+
     def coefficient(layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
-        return np.where(np.asarray(psi(z, x), dtype=bool), everywhere(layer, z, z_previous, x), 0.0)
+        return np.where(_subset(psi(z, x), z), everywhere(layer, z, z_previous, x), 0.0)
 
     return Scheme("one-point, own ψ", coefficient, "decomposed", "(22)")
+
+
+def _subset(values: ArrayLike, z: Floats) -> NDArray[np.bool_]:
+    """Where ψ = 1, (n,)."""
+    psi = as_floats("psi", values, "0 or 1 at every point")
+    if psi.shape not in ((), z.shape):
+        raise ValueError(f"psi: shape {psi.shape} at {len(z)} points; expected {z.shape}")
+    if not np.all((psi == 0.0) | (psi == 1.0)):
+        raise ValueError(f"psi: {psi[(psi != 0.0) & (psi != 1.0)].flat[0]:g} at a point; expected 0 or 1")
+    return np.broadcast_to(psi == 1.0, z.shape)
+
+
+def _checked(name: str, values: ArrayLike, z: Floats) -> Floats:
+    """The coefficient that a scheme of the user's gives, refused unless it is a number >= 0 at every point."""
+    phi = as_floats("phi", values, f"an array of {len(z)} numbers")
+    if phi.shape != z.shape:
+        raise ValueError(f"scheme {name!r}: φ has the shape {phi.shape} at {len(z)} points; expected {z.shape}")
+    wrong = ~(phi >= 0.0) & np.isfinite(z)  # where the gap is no number, φ need not be one
+    if np.any(wrong):
+        at = int(np.argmax(wrong))
+        raise ValueError(f"scheme {name!r}: φ = {phi[at]:g} where the gap is {z[at]:g}; expected φ >= 0")
+    return phi
+
+
+#: The coefficients of the schemes here; they need no check.
+COEFFICIENTS = (semismooth, nowhere, everywhere, chord, kurchatov)
 
 
 SCHEMES = {
@@ -103,6 +155,6 @@ def find_scheme(method: str | Scheme) -> Scheme:
     """The scheme of that name; a `Scheme` is itself."""
     if isinstance(method, Scheme):
         return method
-    if method not in SCHEMES:
+    if not isinstance(method, str) or method not in SCHEMES:
         raise ValueError(f"method = {method!r}: expected one of {', '.join(map(repr, SCHEMES))} or a Scheme")
     return SCHEMES[method]

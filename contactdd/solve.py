@@ -12,11 +12,12 @@ from pathlib import Path
 
 import numpy as np
 
-from .base.checks import as_count, check_choice, finite, positive
+from .base.checks import as_bool, as_count, check_choice, finite, positive
 from .base.ranks import Ranks
-from .errors import LayerRangeWarning, NoEquilibriumError, NotConvergedError
+from .errors import ContactWarning, LayerRangeWarning, NoEquilibriumError, NotConvergedError
 from .history import Record
 from .iteration.checkpoint import CheckpointWriter, read
+from .iteration.interruption import interrupts_agreed
 from .iteration.progress import Progress
 from .iteration.run import Run
 from .iteration.step import find_step
@@ -26,12 +27,16 @@ from .scheme import Scheme, find_scheme
 from .solution import Solution
 from .system import start as starts
 from .system.ensemble import Ensemble
+from .system.likeness import refuse_differences
 
 Gamma = float | Iterable[float] | Callable[[int], float] | str
 
 
 #: γ of the decomposed methods if nothing is said: the paper's best.
 BEST_GAMMA = 0.6
+
+#: What part of the layer's compression facets may hide without a word.
+DOUBTFUL = 0.1
 
 
 def solve(
@@ -73,7 +78,10 @@ def solve(
     progress: show a progress bar; by default when somebody watches.
     on_failure: "raise", or "return" the solution with its status.
     checkpoint: a file that keeps the state: written every `checkpoint_every` seconds, at the end and when the run is
-        interrupted; resume: go on from that file, to the same digits, if it is there.
+        interrupted (Ctrl-C, SIGTERM) or fails; where it is something else than a checkpoint of the same bodies and
+        method, or another run writes it, that stays as it is and a file beside it is taken, with a warning; so is
+        there a warning, and no more, where it can't be written. resume: go on from that file, to the same digits, if
+        it is there.
     time_limit: seconds after which the run stops with the status "stopped".
 
     Warns (`LayerRangeWarning`) where a layer is compressed further than its law is known.
@@ -83,41 +91,84 @@ def solve(
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
-    scheme = find_scheme(method)
-    check_choice("on_failure", on_failure, ("raise", "return"))
-    relaxation = _relaxation(gamma, scheme)
-    rule = _rule(tolerance, criterion, max_iterations, scheme)
-    file, every = _file(checkpoint, resume), positive("checkpoint_every", checkpoint_every)
-    seconds = math.inf if time_limit is None else positive("time_limit", time_limit)
-    _check_start(start, previous)
-    if callback is not None and not callable(callback):
-        raise TypeError(f"callback = {callback!r}: expected a function of a record")
-    ranks, ensemble = scene.ranks, Ensemble(scene.local_problems(local_solver), scene.interfaces)
-    if resume and ranks.once(file.exists):
-        earlier = ranks.once(lambda: read(file, ensemble, scheme.name))
-    else:
-        earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
-    run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
-    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
-    with Progress(progress, rule.tolerance, rule.criterion) as bar, keeper:
-        deadline = time.monotonic() + seconds
+    ranks = scene.ranks
+    with ranks.together(), interrupts_agreed(ranks):
+        scheme = find_scheme(method)
+        check_choice("on_failure", on_failure, ("raise", "return"))
+        relaxation = _relaxation(gamma, scheme)
+        rule = _rule(tolerance, criterion, max_iterations, scheme)
+        file, every = _file(checkpoint, as_bool("resume", resume)), positive("checkpoint_every", checkpoint_every)
+        seconds = math.inf if time_limit is None else positive("time_limit", time_limit)
+        _check_start(start, previous)
+        if callback is not None and not callable(callback):
+            raise TypeError(f"callback = {callback!r}: expected a function of a record")
+        shown = None if progress is None else as_bool("progress", progress)
+        if not ranks.alone:
+            given = {
+                "gamma": gamma,
+                "start": "solution" if isinstance(start, Solution) else start,
+                "previous": previous,
+            }
+            limits = {
+                "time_limit": time_limit,
+                "on_failure": on_failure,
+                "resume": resume,
+                "local_solver": local_solver,
+            }
+            asked = {"method": f"{scheme.name}, {scheme.step}", "tolerance": tolerance, "criterion": criterion}
+            refuse_differences(scene, asked | {"max_iterations": max_iterations} | given | limits)
+        ensemble = Ensemble(scene.local_problems(local_solver), scene.interfaces)
+        if resume and ranks.once(file.exists):
+            earlier = read(file, ensemble, scheme.name, ranks)
+        else:
+            earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
+        run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
+        keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
+        with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
+            deadline = time.monotonic() + seconds
 
-        def observe(record: Record) -> bool:
-            bar.update(record)
-            keeper.update()
-            return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
+            def observe(record: Record) -> bool:
+                bar.update(record)
+                keeper.update()
+                return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
-        ending = run.iterate(relaxation, rule, observe)
-    solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
-    for note in solution.notes if ending.status == "converged" and ranks.comm.rank == 0 else ():
-        warnings.warn(note, LayerRangeWarning, stacklevel=2)
-    if on_failure == "raise" and ending.status not in ("converged", "stopped"):
-        if ending.escape is not None:
-            raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution)
-        raise NotConvergedError(ending.status, ending.reason, solution)
-    if solution.converged:
-        solution.warn_of_large_strains()
-    return solution
+            ending = run.iterate(relaxation, rule, observe)
+        solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
+        _warn_of_facets(solution)
+        _warn_of_notes(solution)
+        if on_failure == "raise" and ending.status not in ("converged", "stopped"):
+            if ending.escape is not None:
+                raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution)
+            raise NotConvergedError(ending.status, ending.reason, solution)
+        if solution.converged:
+            solution.warn_of_large_strains()
+        return solution
+
+
+def _warn_of_facets(solution: Solution) -> None:
+    """Warn where what facets hide of a curved surface is not small beside what the layer is compressed by."""
+    for interface in solution.interfaces:
+        if interface.doubt is not None and solution.scene.ranks.comm.rank == 0:
+            result = solution.contact(interface.contact.name)
+            near = np.flatnonzero((interface.doubt > 0.0) & (result.gap < interface.doubt))
+            doubt = float(interface.doubt[near].mean()) if len(near) else 0.0
+            compression = float(-result.compression[near].mean()) if len(near) else 0.0
+            if doubt > DOUBTFUL * compression:
+                warnings.warn(
+                    f"contact {interface.contact.name!r}: where the surfaces touch or nearly do, their facets do not "
+                    f"tell what curved surface is meant, if any is: the gap may be off by {doubt:.3g}, while the layer "
+                    f"is compressed by {compression:.3g}; a finer mesh, one of second order, facets that match, or "
+                    "measure_gap=False with the gap given would tell",
+                    ContactWarning,
+                    stacklevel=3,
+                )
+
+
+def _warn_of_notes(solution: Solution) -> None:
+    """Warn where a layer is compressed further than its law is known."""
+    if solution.converged and solution.scene.ranks.comm.rank == 0:
+        for note in solution.notes:
+            warnings.warn(note, LayerRangeWarning, stacklevel=3)
 
 
 def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> StoppingCriterion:
@@ -154,7 +205,7 @@ def _file(checkpoint: str | Path | None, resume: bool) -> Path | None:
     if not isinstance(checkpoint, (str, os.PathLike)):
         raise TypeError(f"checkpoint = {checkpoint!r}: expected the path of a file")
     file = Path(checkpoint)
-    if file.is_dir() or not os.access(file.parent, os.W_OK):
+    if (file.exists() and not file.is_file()) or not os.access(file.parent, os.W_OK):
         raise ValueError(f"checkpoint = {checkpoint!r}: expected a file in a folder that can be written to")
     return file
 

@@ -12,7 +12,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from .base.arrays import Floats
-from .base.checks import check_choice, positive
+from .base.checks import as_floats, check_choice, check_vector, positive
 from .base.facets import surface_points
 from .elements import Elements
 from .field import Field, check_field, coefficient, evaluate
@@ -25,7 +25,11 @@ Condition = tuple[NDArray[np.int32], Floats, Floats]
 
 @dataclass(frozen=True)
 class Fixed:
-    """No displacement at all on the named surfaces, eq. (5)."""
+    """No displacement at all on the named surfaces, eq. (5).
+
+    Args:
+        surfaces: Their names, one argument each.
+    """
 
     surfaces: tuple[str, ...]
 
@@ -33,6 +37,11 @@ class Fixed:
         object.__setattr__(self, "surfaces", surfaces)
 
     def conditions(self, on: Elements) -> Iterator[Condition]:
+        """The prescribed components: nodes, a unit direction and the values of u·direction there.
+
+        Args:
+            on: The elements of the body.
+        """
         for surface in self.surfaces:
             nodes = on.nodes(surface)
             for axis in np.eye(on.dim):
@@ -41,7 +50,11 @@ class Fixed:
 
 @dataclass(frozen=True)
 class Symmetry:
-    """No normal displacement and no shear on the named surfaces, each of which has to be flat."""
+    """No normal displacement and no shear on the named surfaces, each of which has to be flat.
+
+    Args:
+        surfaces: Their names, one argument each.
+    """
 
     surfaces: tuple[str, ...]
 
@@ -49,6 +62,11 @@ class Symmetry:
         object.__setattr__(self, "surfaces", surfaces)
 
     def conditions(self, on: Elements) -> Iterator[Condition]:
+        """The prescribed components: nodes, a unit direction and the values of u·direction there.
+
+        Args:
+            on: The elements of the body.
+        """
         for surface, normal in _plane_normals(on, self.surfaces):
             nodes = on.nodes(surface)
             yield nodes, normal, np.zeros(len(nodes))
@@ -56,9 +74,15 @@ class Symmetry:
 
 @dataclass(frozen=True)
 class Displacement:
-    """Prescribed displacements on a named surface: one value per coordinate, None where it is free.
+    """Prescribed displacements on a named surface.
 
-    A value is a number, a function of the coordinates x (3, points) or a `Parameter`.
+    Args:
+        surface: The name of the surface.
+        values: One per coordinate (length), None where it is free: a number, a function of the coordinates x (3,
+            points) or a `Parameter`.
+
+    Raises:
+        TypeError, ValueError: A value can be no displacement.
     """
 
     surface: str
@@ -69,9 +93,28 @@ class Displacement:
             raise TypeError(f"values = {self.values!r}: expected a list, one entry per coordinate (None where free)")
         for value in self.values:
             if value is not None:
+                if isinstance(value, ufl.core.expr.Expr):
+                    raise TypeError(f"displacement = {value!r}: expected a number or a function of the coordinates")
                 check_field("displacement", value)
 
+    def check(self, dim: int) -> None:
+        """Refuse another number of values than a body of that dimension has coordinates.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        if len(self.values) != dim:
+            raise ValueError(f"values = {self.values!r}: expected {dim} entries (None where free)")
+
     def conditions(self, on: Elements) -> Iterator[Condition]:
+        """The prescribed components: nodes, a unit direction and the values of u·direction there.
+
+        Args:
+            on: The elements of the body.
+        """
         if len(self.values) != on.dim:
             raise ValueError(f"values = {self.values!r}: expected {on.dim} entries (None where free)")
         nodes = on.nodes(self.surface)
@@ -85,9 +128,16 @@ class Displacement:
 class Spring:
     """An elastic foundation on a named surface: it answers a displacement u with the traction −k u.
 
-    stiffness: k > 0 (stress / length), a number or a function of the coordinates x (3, points), nowhere negative;
-    direction: None (all directions alike), "normal", or the one direction (dim,) that it resists. A body that only
-    springs hold loses digits as they get softer than itself; at 1e-8 of its stiffness a solve no longer converges.
+    A body that only springs hold loses digits as they get softer than itself; at 1e-8 of its stiffness a solve no
+    longer converges.
+
+    Args:
+        surface: The name of the surface.
+        stiffness: k > 0 (stress / length), a number or a function of the coordinates x (3, points), nowhere negative.
+        direction: None (all directions alike), "normal", or the one direction (dim,) that it resists.
+
+    Raises:
+        TypeError, ValueError: The stiffness or the direction can be none.
     """
 
     surface: str
@@ -100,12 +150,41 @@ class Spring:
             positive("stiffness", self.stiffness)
         if isinstance(self.direction, str):
             check_choice("direction", self.direction, ("normal",))
+        elif self.direction is not None:
+            direction = as_floats("direction", self.direction, "'normal' or 2 or 3 finite numbers")
+            if direction.shape not in ((2,), (3,)) or not 0.0 < np.linalg.norm(direction) < np.inf:
+                raise ValueError(
+                    f"direction = {self.direction!r}: expected 'normal' or a vector of 2 or 3 numbers, not all zero"
+                )
+
+    def check(self, dim: int) -> None:
+        """Refuse a direction of another number of coordinates than a body of that dimension has.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        if self.direction is not None and not isinstance(self.direction, str):
+            check_vector("direction", self.direction, dim)
 
     def conditions(self, on: Elements) -> Iterator[Condition]:
+        """The prescribed components: nodes, a unit direction and the values of u·direction there.
+
+        Args:
+            on: The elements of the body.
+        """
         return iter(())
 
     def form(self, on: Elements, u: Any, v: Any) -> ufl.Form:
-        """∫ k u·v ds, or ∫ k (u·e)(v·e) ds along one direction e."""
+        """The UFL form ∫ k u·v ds, or ∫ k (u·e)(v·e) ds along one direction e.
+
+        Args:
+            on: The elements of the body.
+            u: Their trial function.
+            v: Their test function.
+        """
         value = self._values if callable(self.stiffness) else self.stiffness
         k = coefficient("stiffness", value, on.domain, (), on.field_degree)
         if self.direction is None:

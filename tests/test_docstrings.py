@@ -68,6 +68,8 @@ def undescribed() -> Iterator[str]:
         if not issubclass(thing, BaseException):
             yield from (f"{name}({each})" for each in made_from if each not in known)
         for member, function in members(thing):
+            if isinstance(thing, type) and thing is not cd.LocalProblem and hasattr(cd.LocalProblem, member):
+                continue  # a local problem's members are described with the contract
             function = function.__func__ if isinstance(function, classmethod) else function
             if not inspect.getdoc(getattr(thing, member)):
                 yield f"{name}.{member}"

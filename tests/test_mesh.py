@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import contactdd as cd
+from contactdd.files import mesh_cache
 from contactdd.interface.surface import ContactSurface
-from contactdd.mesh import mesh_cache
 from contactdd.quadrature import rule
 
 gmsh = pytest.importorskip("gmsh")
@@ -188,9 +188,7 @@ def test_a_msh_file_is_read_as_it_is(tmp_path, cache):
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
-        (SCRIPT, {}, "no physical group of dimension 2"),
         (SCRIPT + GROUPS.strip(), {}, "expected a line break at the end"),
-        (SCRIPT + 'Physical Surface("body") = {1};\n', {}, "no physical group of dimension 1"),
         (SCRIPT + GROUPS, {"body": "bdoy"}, "body = 'bdoy'.*'body'"),
         (SCRIPT + GROUPS, {"sizes": 0.1}, r"sizes = 0\.1.*no such parameter.*'size'"),
         (SCRIPT + GROUPS, {"size": np.nan}, "size = nan: expected a finite number"),

@@ -267,8 +267,9 @@ def test_exchanging_the_bodies_changes_nothing(dim, quadrature):
     partners = here.x + scenes[0].interfaces[0].gap[:, None] * here.normal
     places = nearest(partners, there.x)
     assert len(np.unique(places)) == len(places) == len(there.x)
-    # Points differ by rounding, times the slopes of curved facets where Newton's iteration ended.
-    assert np.abs(partners - there.x[places]).max() < 1e-10
+    # Points differ by rounding, times the slopes of curved facets where Newton's iteration ended. A mean gap along the
+    # mean normal leads to the mean point but for how the normals turn within a segment.
+    assert np.abs(partners - there.x[places]).max() < (1e-10 if quadrature == "gauss" else 1e-3)
     assert np.abs(here.normal + there.normal[places]).max() < 1e-10
     assert np.abs(here.weights - there.weights[places]).max() < 1e-10 * here.weights.max()
     assert np.abs(here.pressure - there.pressure[places]).max() < 1e-8 * here.pressure.max()

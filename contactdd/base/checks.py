@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from numbers import Real
 from typing import Any
 
@@ -49,6 +50,13 @@ def as_count(name: str, value: Any, expected: str = "a whole number >= 1") -> in
     return int(value)
 
 
+def as_bool(name: str, value: Any) -> bool:
+    """`value` as a bool, refused if it is anything else: "no" would be true."""
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} = {value!r}: expected True or False")
+    return bool(value)
+
+
 def as_floats(name: str, value: Any, expected: str) -> np.ndarray:
     """`value` as an array of floats, refused if it is anything else; of what shape and whether finite is not asked."""
     try:
@@ -60,9 +68,17 @@ def as_floats(name: str, value: Any, expected: str) -> np.ndarray:
         raise TypeError(f"{name} = {value!r}: expected {expected}") from None
 
 
+def check_vector(name: str, value: Any, dim: int) -> None:
+    """Refuse what is no vector of `dim` finite numbers."""
+    expected = f"{dim} finite numbers"
+    array = as_floats(name, value, expected)
+    if array.shape != (dim,) or not np.all(np.isfinite(array)):
+        raise ValueError(f"{name} = {value!r}: expected {expected}")
+
+
 def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> str:
     """`value`, refused unless it is one of `choices`."""
-    if value not in choices:
+    if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{name} = {value!r}: expected one of {', '.join(map(repr, choices))}")
     return value
 
@@ -73,3 +89,8 @@ def as_tuple_of(name: str, values: Any, kind: Any) -> tuple:
         kinds = " or ".join(each.__name__ for each in getattr(kind, "__args__", (kind,)))
         raise TypeError(f"{name} = {values!r}: expected a list of {kinds}")
     return tuple(values)
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names for a message, in order."""
+    return ", ".join(repr(name) for name in sorted(names)) or "none"

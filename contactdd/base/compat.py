@@ -12,6 +12,7 @@ from copy import copy
 from functools import cache
 from typing import Any
 
+import basix.ufl
 import dolfinx
 import numpy as np
 import ufl
@@ -164,16 +165,23 @@ def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64]) -> dmesh.Mesh:
     return dmesh.Mesh(mesh, ufl.Mesh(domain.ufl_domain().ufl_coordinate_element()))
 
 
-def gmsh_model_to_mesh(model: Any, comm: Any, rank: int, gdim: int) -> tuple[dmesh.Mesh, Any, Any, dict[str, Any]]:
-    """Mesh, cell tags, facet tags and the physical groups {name: (dimension, tag)} of a gmsh model."""
-    if VERSION >= (0, 10):
-        from dolfinx.io import gmsh as gmshio
+def from_arrays(cells: NDArray[np.int64], x: NDArray[np.float64], element: Any) -> dmesh.Mesh:
+    """The mesh of cells (cells, nodes) with nodes at x (nodes, dim); dolfinx does not check them.
 
-        data = gmshio.model_to_mesh(model, comm, rank, gdim=gdim)
-        domain, cell_tags, facet_tags = data.mesh, data.cell_tags, data.facet_tags
-    else:
-        from dolfinx.io import gmshio
+    The nodes of a cell are in the order of the coordinate element, as in `geometry_dofmap`.
+    """
+    return dmesh.create_mesh(MPI.COMM_SELF, cells=cells, x=x, e=element)
 
-        domain, cell_tags, facet_tags = gmshio.model_to_mesh(model, comm, rank, gdim=gdim)
-    names = {model.getPhysicalName(dim, tag): (dim, tag) for dim, tag in model.getPhysicalGroups()}
-    return domain, cell_tags, facet_tags, names
+
+@cache
+def coordinate_element(shape: str, degree: int) -> Any:
+    """The coordinate element of cells whose nodes are evenly spaced."""
+    dim = dmesh.cell_dim(dmesh.CellType[shape])
+    if degree == 1:  # as that of structured meshes, so that forms are compiled once for both
+        return _straight_element(dmesh.CellType[shape])
+    return basix.ufl.element("Lagrange", shape, degree, basix.LagrangeVariant.equispaced, shape=(dim,))
+
+
+def from_gmsh_order(shape: str, nodes: int) -> NDArray[np.int64]:
+    """Which of gmsh's nodes of a cell are dolfinx', `dolfinx = gmsh[order]`."""
+    return np.array(cpp.io.perm_gmsh(dmesh.CellType[shape], nodes), dtype=np.int64)

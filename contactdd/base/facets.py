@@ -73,10 +73,14 @@ def facet_map(domain: dmesh.Mesh, entities: NDArray[np.int32], points: Floats) -
 
 def facet_corners(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> Floats:
     """The corners of facets in order around each, (n, corners, dim)."""
+    return domain.geometry.x[facet_nodes(domain, entities)][:, :, : domain.topology.dim]
+
+
+def facet_nodes(domain: dmesh.Mesh, entities: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The geometry nodes at the corners of facets in order around each, (n, corners)."""
     frame = _reference_facets(compat.coordinate_map(domain).cell_type)
     # The first of a cell's geometry nodes are its vertices.
-    nodes = compat.geometry_dofmap(domain)[entities[:, :1], frame.corners[entities[:, 1]]]
-    return domain.geometry.x[nodes][:, :, : domain.topology.dim]
+    return compat.geometry_dofmap(domain)[entities[:, :1], frame.corners[entities[:, 1]]]
 
 
 def dot(a: Floats, b: Floats) -> Floats:

@@ -3,28 +3,46 @@
 Every rank knows all meshes and contacts. A body is assembled, factored and condensed by the rank that owns it, or by
 several together, and its solves are done there; what all ranks see of it is its condensed problem, of the size of its
 contacts.
+
+All that passes between the ranks is one kind of message, gathered from all by all. So whatever a rank is waiting for,
+it can be told there that another one has failed: see `Ranks.together`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
 from mpi4py import MPI
 
+from .arrays import Floats
+
 T = TypeVar("T")
+
+
+#: The kind of message that a rank sends instead of the one that is waited for.
+FAILED = "failed"
 
 
 class Ranks:
     """The owners of the bodies on a communicator: one rank for each body, or a team of several where there are more
     ranks than bodies.
 
-    work: of each body, in any unit. teams: the ranks that hold each body, the first of them speaks for it.
+    work: of each body, in any unit. teams: the ranks that hold each body, the first of them speaks for it. interrupted:
+    set to end all ranks by KeyboardInterrupt when they next meet.
     """
+
+    #: In how many `together` in one another this process is, of whatever scenes.
+    depth = 0
 
     def __init__(self, comm: MPI.Comm, work: Sequence[float]) -> None:
         self.comm = comm
+        self.interrupted = False
+        if comm.size > 1:
+            _refuse_other_work(comm, work)
         self.teams = deal_out(comm.size, work)
         self._team: MPI.Comm = MPI.COMM_SELF
         if comm.size > len(work):
@@ -44,6 +62,37 @@ class Ranks:
         """The ranks that hold a body; to be asked by one of them."""
         return self._team if len(self.teams[place]) > 1 else MPI.COMM_SELF
 
+    @contextmanager
+    def together(self) -> Iterator[None]:
+        """What all ranks do, to its end or to none: an exception of one of them, wherever it comes from, is raised on
+        all. Costs one exchange at the end; nothing where there is one rank."""
+        if self.alone:
+            yield
+            return
+        Ranks.depth += 1
+        try:
+            yield
+            self._gathered("end", None)
+        except _EndedElsewhere as end:
+            if end.depth < Ranks.depth:  # the other has left what is around this, too
+                raise
+            if end.depth > Ranks.depth:  # the other has still to leave this
+                self._tell(end.error)
+            raise end.error from None
+        except BaseException as error:
+            self._tell(error)
+            raise
+        finally:
+            Ranks.depth -= 1
+
+    def _tell(self, error: BaseException) -> None:
+        """Tell the other ranks that this one has failed: wherever they are, they are waiting for its message."""
+        self.comm.allgather((FAILED, Ranks.depth, None, _portable(error)))
+
+    def gather(self, value: T) -> list[T]:
+        """The values of all ranks, in their order."""
+        return [value] if self.alone else self._gathered("gather", value)
+
     def each(self, make: Callable[[int], T]) -> list[T]:
         """make(place) of every body, each made by its team, known to all. An error of one rank is raised on all."""
         places = range(len(self.teams))
@@ -56,30 +105,81 @@ class Ranks:
         except Exception as error:
             failed = error
         spoken = [(place, value) for place, value in made if self.teams[place][0] == self.comm.rank]
-        gathered = self.comm.allgather((spoken, failed))
-        for _, error in gathered:
-            if error is not None:
-                raise error
-        return [value for _, value in sorted((pair for part, _ in gathered for pair in part), key=lambda pair: pair[0])]
+        gathered = self._gathered("each", spoken, failed)
+        return [value for _, value in sorted((pair for part in gathered for pair in part), key=lambda pair: pair[0])]
 
     def once(self, make: Callable[[], T]) -> T:
         """What the first rank makes, known to all; an error of it is raised on all."""
         if self.alone:
             return make()
-        made: tuple[Any, Exception | None] = (None, None)
+        made: Any = None
+        failed: Exception | None = None
         if self.comm.rank == 0:
             try:
-                made = (make(), None)
+                made = make()
             except Exception as error:
-                made = (None, error)
-        value, failed = self.comm.bcast(made, root=0)
-        if failed is not None:
-            raise failed
-        return value
+                failed = error
+        return self._gathered("once", made, failed)[0]
+
+    def sent(self, array: Floats, owner: int) -> Floats:
+        """The array of one rank, written into those of the others, which have its shape."""
+        self._gathered("sent", None)  # a rank that has failed does not come to what follows
+        self.comm.Bcast(array, root=owner)
+        return array
+
+    def any_says(self, reason: str) -> str:
+        """What the ranks say: the first text that is not empty, "" where there is none. All have to ask."""
+        return next(filter(None, self.gather(reason)), "")
 
     def agree(self, value: T) -> T:
         """The first rank's value: what is decided by rounding must be decided once."""
-        return value if self.alone else self.comm.bcast(value, root=0)
+        return value if self.alone else self._gathered("agree", value if self.comm.rank == 0 else None)[0]
+
+    def _gathered(self, kind: str, value: Any, failed: Exception | None = None) -> list[Any]:
+        """The values of all ranks, in their order. All ask for the same kind; an error is raised on all."""
+        if self.interrupted:
+            self.interrupted = False
+            raise KeyboardInterrupt
+        messages = self.comm.allgather((kind, Ranks.depth, value, failed and _portable(failed)))
+        for one, depth, _, error in messages:
+            if one == FAILED:
+                raise _EndedElsewhere(error, depth)
+        places = [message[:2] for message in messages]
+        if any(place != places[0] for place in places):
+            error = RuntimeError(f"the ranks have gone different ways, {places}; expected the same solves on all")
+            raise _EndedElsewhere(error, min(depth for _, depth in places))
+        for *_, error in messages:
+            if error is not None:
+                raise error
+        return [value for *_, value, _ in messages]
+
+
+class _EndedElsewhere(BaseException):
+    """Another rank has failed; no exception that what runs here could handle.
+
+    Attributes: `error`, the other's; `depth`, the number of `Ranks.together` in one another that it has left from.
+    """
+
+    def __init__(self, error: BaseException, depth: int) -> None:
+        super().__init__(error)
+        self.error, self.depth = error, depth
+
+
+def _portable(error: BaseException) -> BaseException:
+    """The same error, or one that says the same where it cannot be sent."""
+    try:
+        if type(pickle.loads(pickle.dumps(error))) is type(error):
+            return error
+    except Exception:
+        pass
+    return RuntimeError(f"{type(error).__name__}: {error}")
+
+
+def _refuse_other_work(comm: MPI.Comm, work: Sequence[float]) -> None:
+    """Refuse scenes whose bodies are others on other ranks: they would be dealt out in different ways."""
+    found = comm.allgather(list(work))
+    if any(other != found[0] for other in found):
+        raise ValueError(f"bodies: their degrees of freedom on each rank are {found}; expected the same scene on all")
 
 
 def deal_out(ranks: int, work: Sequence[float]) -> list[list[int]]:

@@ -18,6 +18,7 @@ from ..errors import MeshMismatchError
 from ..field import evaluate
 from ..quadrature import Rule, rule
 from .pairing import PointPairs, matching, matching_on, pair_by_segments
+from .smooth import smooth_places
 from .surface import ContactSurface, Gather, PointSurface
 from .trace import normal_trace
 
@@ -53,10 +54,12 @@ class PrescribedGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,)
-    the part of d found from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; unmatched:
-    the area of either surface that has no partner; facets: on meshes that match, the second surface's opposite each of
-    the first's. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's; normal:
+    (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found from the meshes; shape: (n,)
+    that which is given, and how: given; sides: both bodies; unmatched: the area of either surface that has no partner;
+    facets: on meshes that match, the second surface's opposite each of the first's; doubt: (n,) by how much `measured`
+    may be off where the facets do not tell what surface is meant, None if they do. Contact integrals are sums over the
+    points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -69,6 +72,7 @@ class Interface:
     sides: tuple[InterfaceSide, InterfaceSide]
     unmatched: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
+    doubt: Floats | None = None
 
     def __post_init__(self) -> None:
         # However the interface came about: its layer is the one at its points. One that varies nowhere is itself.
@@ -108,7 +112,7 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
     x, normal = first.mean(first.points.x), first.mean(first.points.normal)
     distance = dot(matched.in_order(second.mean(second.points.x)) - x, normal)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
-    given = PrescribedGap(first.points.x, first.average)
+    given = PrescribedGap(smooth_places(first) if callable(contact.gap) else first.points.x, first.average)
     shape = given.at(contact.gap)
     sides = (
         InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
@@ -127,9 +131,10 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Ru
     own = ContactSurface(body, surface, quadrature)
     x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
     trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
-    distance = _checked("gap", partner.gap(x, normal), len(x), 1)
+    places = smooth_places(own)
+    distance = _checked("gap", partner.gap(own.mean(places), normal), len(x), 1)
     measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
-    given = PrescribedGap(own.points.x, own.average)
+    given = PrescribedGap(places, own.average)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
         InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
@@ -180,7 +185,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         InterfaceSide(
             bodies[place],
             surface,
-            (values @ normal_trace(surface.body.space, partners.points[place], sign * partners.normal)).tocsr(),
+            (values @ _trace(surface, partners, place, sign)).tocsr(),
             _facet_means(surface, partners.facets[place][member], weights),
         )
         for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
@@ -188,15 +193,24 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
     unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
     return Interface(
         contact.frozen(),
-        values @ partners.points[0].x,
+        values @ partners.places[0],
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
         weights,
-        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.points[0].x).max())),
+        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.places[0]).max())),
         shape,
         given,
         (sides[0], sides[1]),
         (unmatched[0], unmatched[1]),
+        doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
+
+
+def _trace(surface: ContactSurface, partners: PointPairs, place: int, sign: float) -> scipy.sparse.csr_matrix:
+    """The normal displacement of one side, outwards, at the points, (n, dofs)."""
+    trace = normal_trace(surface.body.space, partners.points[place], sign * partners.normal)
+    smooth = partners.smooth[place]
+    stretch = None if smooth is None else smooth.stretch_trace()
+    return trace if stretch is None else trace + stretch
 
 
 def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> scipy.sparse.csr_matrix:

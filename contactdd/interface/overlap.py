@@ -47,7 +47,7 @@ def segments(first: Floats, second: Floats, normal: Floats, points: Floats, weig
     first, second: (n, corners, dim) in order around each facet; normal: (n, dim) the common normals.
     """
     middle = 0.5 * (first.mean(axis=1) + second.mean(axis=1))
-    axes = _axes_across(normal)
+    axes = axes_across(normal)
     seen = [np.einsum("pci,pki->pck", corners - middle[:, None], axes) for corners in (first, second)]
     pair, simplices = (_overlaps_of_intervals if first.shape[2] == 2 else _overlaps_of_polygons)(*seen)
     edges = simplices[:, 1:] - simplices[:, :1]
@@ -60,11 +60,16 @@ def segments(first: Floats, second: Floats, normal: Floats, points: Floats, weig
 
 
 def meet_line(
-    surface: Callable[[Floats], tuple[Floats, Floats]], line: Floats, direction: Floats, start: Floats
+    surface: Callable[[Floats], tuple[Floats, Floats]],
+    line: Floats,
+    direction: Floats,
+    start: Floats,
+    within: float = np.inf,
 ) -> Floats:
     """Where curved facets meet lines, in the facets' coordinates (n, dim − 1).
 
-    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1). Newton's iteration.
+    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1); within: how
+    far from the start to go. Newton's iteration.
     """
     local = start
     for _ in range(20):
@@ -72,7 +77,7 @@ def meet_line(
         matrix = np.concatenate([tangents, -direction[:, :, None]], axis=2)
         offset = line - x
         step = np.linalg.solve(matrix, offset[:, :, None])[:, :-1, 0]
-        local = local + step
+        local = local + step if within == np.inf else np.clip(local + step, start - within, start + within)
         if np.abs(step).max(initial=0.0) < 1e-8:  # the error is then this step's square
             break
     return local
@@ -181,7 +186,7 @@ def _signed_areas(polygons: Floats) -> Floats:
     return 0.5 * np.sum(x * np.roll(y, -1, axis=-1) - np.roll(x, -1, axis=-1) * y, axis=-1)
 
 
-def _axes_across(normal: Floats) -> Floats:
+def axes_across(normal: Floats) -> Floats:
     """Orthonormal axes (n, dim − 1, dim) of the planes across unit normals (n, dim)."""
     if normal.shape[1] == 2:
         return np.stack([-normal[:, 1], normal[:, 0]], axis=1)[:, None]

@@ -22,6 +22,7 @@ from ..base.facets import FacetPoints, dot, facet_map, facet_points
 from ..errors import MeshMismatchError
 from .detection import FACING, facing_pairs
 from .overlap import common_normals, meet_line, segments
+from .smooth import SmoothPoints, SmoothSurface, smoothed
 
 if TYPE_CHECKING:
     from ..contact import Contact
@@ -34,7 +35,8 @@ class PointPairs:
 
     points: both sides' x and x'; facets: both sides' facets, by their place in the surface; normal: (n, dim) the common
     normal out of the first; weights: (n,) areas across it, in bodies of revolution of the full ring; segment: (n,) the
-    segment that each pair belongs to.
+    segment that each pair belongs to; smooth: each side's points of the smooth surface on the same lines, None where it
+    is flat.
     """
 
     points: tuple[FacetPoints, FacetPoints]
@@ -42,16 +44,28 @@ class PointPairs:
     normal: Floats
     weights: Floats
     segment: Indices
+    smooth: tuple[SmoothPoints | None, SmoothPoints | None]
+
+    @property
+    def places(self) -> tuple[Floats, Floats]:
+        """Both sides' points of the smooth surfaces, (n, dim) each."""
+        first, second = (p.x if s is None else s.x for p, s in zip(self.points, self.smooth, strict=True))
+        return first, second
+
+    @property
+    def doubt(self) -> Floats:
+        """By how much the gap may be off where nothing tells what is smooth, (n,)."""
+        return sum((s.doubt for s in self.smooth if s is not None), np.zeros(len(self.weights)))
 
     @property
     def gap(self) -> Floats:
-        """The distance along the common normal, (n,); negative where the meshes overlap."""
-        return dot(self.points[1].x - self.points[0].x, self.normal)
+        """The distance of the smooth surfaces along the common normal, (n,); negative where they overlap."""
+        return dot(self.places[1] - self.places[0], self.normal)
 
     @property
     def middle(self) -> Floats:
-        """Midway between the partners, (n, dim)."""
-        return 0.5 * (self.points[0].x + self.points[1].x)
+        """Midway between the smooth surfaces, (n, dim)."""
+        return 0.5 * (self.places[0] + self.places[1])
 
     def mean(self) -> scipy.sparse.csr_matrix:
         """From the points to the segments: the mean over each."""
@@ -189,10 +203,11 @@ def _opposite(
 ) -> PointPairs:
     """The points where the facets meet lines along their common normals.
 
-    The lines given (n, dim) run along the flat facets' normals. On curved facets each turns about the middle of its
-    partners until it follows the normals at those themselves.
+    The lines given (n, dim) run along the flat facets' normals. On curved facets, and on those of a curved surface,
+    each turns about the middle of its partners until it follows the smooth surfaces' normals there.
     """
     across = normal
+    shapes = [smoothed(side) for side in sides]
     local = [np.tile(side.centre, (len(line), 1)) for side in sides]
     for _ in range(10):
         points = []
@@ -203,14 +218,24 @@ def _opposite(
                 lambda s, domain=domain, entities=entities: facet_map(domain, entities, s), line, normal, local[place]
             )
             points.append(facet_points(domain, entities, local[place]))
-        turned = common_normals(points[0].normal, points[1].normal)
+        outward = [_normals(*seen) for seen in zip(shapes, facets, local, points, strict=True)]
+        turned = common_normals(outward[0], outward[1])
         line = 0.5 * (points[0].x + points[1].x)
         change = np.abs(turned - normal).max(initial=0.0)
         if change < 1e-12:
             break
         normal = turned
     weights = weights / dot(across, normal) * sides[0].body.kinematics.weight(line.T)
-    return PointPairs((points[0], points[1]), facets, normal, weights, segment)
+    smooth = [
+        None if shape is None else SmoothPoints.on_lines(side, shape, at, start, normal, line)
+        for side, shape, at, start in zip(sides, shapes, facets, local, strict=True)
+    ]
+    return PointPairs((points[0], points[1]), facets, normal, weights, segment, (smooth[0], smooth[1]))
+
+
+def _normals(shape: SmoothSurface | None, facets: Indices, local: Floats, points: FacetPoints) -> Floats:
+    """The outward normals of the smooth surface behind points of facets."""
+    return points.normal if shape is None else shape.normals(facets, local, points)
 
 
 def _within(partners: PointPairs, reach: float) -> PointPairs:
@@ -224,7 +249,9 @@ def _within(partners: PointPairs, reach: float) -> PointPairs:
     )
     facets = (partners.facets[0][kept], partners.facets[1][kept])
     segment = np.unique(partners.segment[kept], return_inverse=True)[1]
-    return PointPairs((points[0], points[1]), facets, partners.normal[kept], partners.weights[kept], segment)
+    smooth = [side and side.kept(kept) for side in partners.smooth]
+    normal, weights = partners.normal[kept], partners.weights[kept]
+    return PointPairs((points[0], points[1]), facets, normal, weights, segment, (smooth[0], smooth[1]))
 
 
 def _offsets(here: Floats, there: Floats, normal: Floats) -> Floats:

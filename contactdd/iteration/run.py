@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -29,8 +30,21 @@ Observer = Callable[[Record], bool]
 CANCELLED = 1e-8
 
 
+@dataclass(frozen=True)
+class Snapshot:
+    """An iterate between two iterations, with all that the next one needs.
+
+    state: the iterate; forces: those at it; done: how many iterations led to it; memory: of Anderson's method.
+    """
+
+    state: State
+    forces: Forces
+    done: int
+    memory: Sequence[Floats]
+
+
 class Run:
-    """One run: the iterate `state` and the `history`.
+    """One run: the iterate `state` and the `history`; `snapshot` is the last complete iterate at any moment.
 
     linear: the linear problem of an iteration; history, memory: of an earlier run that this one goes on from.
     """
@@ -57,6 +71,7 @@ class Run:
         self._first_force = 0.0
         self._at_nodes = False
         self._began = time.process_time()
+        self.snapshot = self._complete(ensemble.forces(state))
 
     def iterate(self, gammas: Iterator[float | None], rule: StoppingCriterion, observe: Observer) -> Termination:
         """Iterate to the end, from where the history ends.
@@ -73,7 +88,7 @@ class Run:
                 return self._ending(
                     "diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}"
                 )
-            forces = self.ensemble.forces(self.state)
+            forces = self.snapshot.forces
             scale = self._scale(forces)
             residual = self._ranks.agree(norm(forces.residual) / scale if scale > 0.0 else 0.0)
             distance = rule.distance(residual, last)
@@ -95,9 +110,14 @@ class Run:
             except StopIteration:
                 return Termination("iteration limit", f"gamma ended after {k} values: {reached}")
             self.history.append(last)
+            self.snapshot = self._complete(self.ensemble.forces(self.state))
             if self._ranks.agree(observe(last)):
                 return Termination("stopped", f"as asked in iteration {k + 1}")
         return self._ending("iteration limit", f"{reached} after {k} iterations")
+
+    def _complete(self, forces: Forces) -> Snapshot:
+        """The iterate, its history complete."""
+        return Snapshot(self.state, forces, len(self.history), [] if self.anderson is None else self.anderson.memory)
 
     def _best_so_far(self, rule: StoppingCriterion) -> tuple[float, int]:
         """The smallest distance in the history, and after how many iterations it was reached."""
@@ -148,7 +168,7 @@ class Run:
         phi, state = {}, self.state
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
-            values = self.scheme.coefficient(interface.contact.layer, z, before, interface.x.T)
+            values = self.scheme.phi(interface.contact.layer, z, before, interface.x.T)
             # A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
             phi[index] = np.minimum(values, 1e8 * self._stiffest[index])
         return phi

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import Floats
-from ..base.checks import as_floats, finite, positive
+from ..base.checks import as_bool, as_floats, finite, positive
 from .calculus import TINY, solve_increasing
 from .limited import LimitedLayer
 
@@ -56,8 +56,7 @@ class TableLayer(LimitedLayer):
     _pieces: Floats = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.smooth, (bool, np.bool_)):
-            raise TypeError(f"smooth = {self.smooth!r}: expected True or False")
+        object.__setattr__(self, "smooth", as_bool("smooth", self.smooth))
         object.__setattr__(self, "clearance", finite("clearance", self.clearance))
         c, p = _column("compressions", self.compressions), _column("pressures", self.pressures)
         c, p = _with_origin(c, p)

@@ -39,8 +39,9 @@ class VaryingLayer(Layer):
         self.law, self.parameters = law, parameters
 
     def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value!r}" for name, value in self.parameters.items())
-        return f"VaryingLayer({getattr(self.law, '__name__', self.law)}, {values})"
+        shown = {name: "f(x)" if callable(value) else repr(value) for name, value in self.parameters.items()}
+        values = "".join(f", {name}={value}" for name, value in shown.items())
+        return f"VaryingLayer({getattr(self.law, '__name__', type(self.law).__name__)}{values})"
 
     def at(self, x: Floats) -> Layer:
         x = np.asarray(x, dtype=float)

@@ -131,14 +131,14 @@ class LocalSolvers:
         """
         ranks = self._ranks
         missing = any((kind, index) not in self._problems for index, kind in enumerate(kinds))
-        if any(ranks.comm.allgather(missing)):
+        if any(ranks.gather(missing)):
             shared = ranks.each(
                 lambda index: None if kinds[index] == OWN else SharedProblem.of(self._problem(kinds[index], index))
             )
             for index, part in enumerate(shared):
                 if part is not None and not ranks.owns(index):
                     task, owner = self._task(kinds[index], index), ranks.teams[index][0]
-                    self._problems[kinds[index], index] = RemoteProblem(task, part, owner, ranks.comm)
+                    self._problems[kinds[index], index] = RemoteProblem(task, part, owner, ranks)
         return [self._problem(kind, index) for index, kind in enumerate(kinds)]
 
     def _task(self, kind: str, index: int) -> LocalTask:
@@ -147,7 +147,7 @@ class LocalSolvers:
         task = LocalTask(body, self._sides[index], None if body.mesh is None else self._discrete_body(index))
         if not ranks.alone and ranks.owns(index):
             owner = ranks.teams[index][0]
-            task = replace(task, comm=ranks.team(index), collective=partial(CollectiveOperator, ranks.comm, owner))
+            task = replace(task, comm=ranks.team(index), collective=partial(CollectiveOperator, ranks, owner))
         for other, signs in self._touched_alike(index):
             if (kind, other) in self._problems and task.discrete.space.free is not None:
                 return replace(task, original=self._problems[kind, other], signs=signs)

@@ -32,15 +32,33 @@ class DenseSystem:
     rigid: RigidMotions
 
     def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
-        """See `LocalProblem.correct`."""
+        """ũ − u of (22); see `LocalProblem.correct`.
+
+        Args:
+            phi: The Robin coefficient at the points of each interface (stress / length), by the interfaces' indices.
+            residual: (unknowns,) forces.
+            scale: The size of the forces at work.
+
+        Raises:
+            LooseBodyError: Nothing holds the body against these forces.
+        """
         return self._solver(phi, self.rigid.fixing_dofs(phi, residual, scale))(residual)
 
     def robin_solver(self, phi: Mapping[int, Floats]) -> Solver:
-        """See `LocalProblem.robin_solver`."""
+        """(S + Φ)⁻¹; see `LocalProblem.robin_solver`.
+
+        Args:
+            phi: The Robin coefficient at the points of each interface (stress / length), by the interfaces' indices.
+        """
         return self._solver(phi, free_fixing_dofs(self.rigid, phi))
 
     def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
-        """See `LocalProblem.low_modes`."""
+        """The lowest modes of S against S + Φ; see `LocalProblem.low_modes`.
+
+        Args:
+            phi: The Robin coefficient at the points of each interface (stress / length), by the interfaces' indices.
+            below: The bound of their eigenvalues.
+        """
         if len(self.stiffness) == 0:
             return np.zeros((0, 0))
         matrix = self._system(phi)
@@ -49,7 +67,11 @@ class DenseSystem:
         return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
-        """See `LocalProblem.start`."""
+        """Unknowns near a given u_n; see `LocalProblem.start`.
+
+        Args:
+            normal_displacement: u_n (length) at the points of each interface, by the interfaces' indices.
+        """
         values = np.concatenate([normal_displacement[trace.interface] - trace.offset for trace in self.traces])
         rows = stacked([trace.trace for trace in self.traces])
         if isinstance(rows, np.ndarray):

@@ -46,7 +46,11 @@ class ContactTrace:
     robin_trace: Operator
 
     def surface_stiffness(self, phi: Mapping[int, Floats]) -> Floats:
-        """φ times the areas at the integration points of the body's own surface."""
+        """φ times the areas at the integration points of the body's own surface.
+
+        Args:
+            phi: The Robin coefficient at the points of each interface (stress / length), by the interfaces' indices.
+        """
         return self.side.surface.weights * (self.side.transfer @ phi[self.interface])
 
 
@@ -186,35 +190,69 @@ class LocalProblem(Protocol):
         """(A + Φ)⁻¹, with any motion fixed that is free: the body's part of a preconditioner.
 
         Depends on φ only and may be applied to many right-hand sides; invalid once the body is solved with another φ.
+
+        Args:
+            phi: The Robin coefficient at the points of each interface (stress / length), by the interfaces' indices.
         """
         ...
 
     def low_modes(self, phi: Mapping[int, Floats], below: float) -> Floats:
-        """The modes of A v = λ (A + Φ) v with λ < below, (unknowns, modes); none where A is too large to ask."""
+        """The modes of A v = λ (A + Φ) v with λ below a bound, (unknowns, modes); none where A is too large to ask.
+
+        Args:
+            phi: The Robin coefficient at the points of each interface (stress / length), by the interfaces' indices.
+            below: The bound.
+        """
         ...
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
-        """Unknowns with (nearly) the given u_n at the points of each interface and the inside in equilibrium."""
+        """Unknowns with (nearly) the given u_n at the contact points and the inside in equilibrium.
+
+        Args:
+            normal_displacement: u_n (length) at the points of each interface, by the interfaces' indices.
+        """
         ...
 
     def restrict(self, u: Floats) -> Floats:
-        """The unknowns of the admissible displacement closest to u (dofs,)."""
+        """The unknowns of the admissible displacement closest to a given one.
+
+        Args:
+            u: (dofs,) a displacement (length).
+        """
         ...
 
     def displacement(self, y: Floats) -> Floats:
-        """The displacement (dofs,) of unknowns y."""
+        """The displacement (dofs,) of unknowns.
+
+        Args:
+            y: (unknowns,).
+        """
         ...
 
     def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
-        """operator @ displacement(y) where the unknowns alone tell it, else None; operator: on all dofs."""
+        """What an operator makes of the displacement where the unknowns alone tell it, else None.
+
+        Args:
+            y: (unknowns,).
+            operator: On all degrees of freedom.
+        """
         ...
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
-        """The body's solution of unknowns y, whose part without rigid motions is `deformation`."""
+        """The body's solution in all degrees of freedom.
+
+        Args:
+            y: (unknowns,).
+            deformation: (unknowns,) the same without rigid motions.
+        """
         ...
 
     def refreshed(self, dofs: Any) -> LocalProblem:
-        """The same problem for the loads and prescribed displacements of `dofs`; all matrices are shared."""
+        """The same problem for other loads and prescribed displacements; all matrices are shared.
+
+        Args:
+            dofs: The body in all its degrees of freedom, read anew.
+        """
         ...
 
 

@@ -8,9 +8,9 @@ from typing import Any, NoReturn
 
 import numpy as np
 import scipy
-from mpi4py import MPI
 
 from ..base.arrays import Floats, Indices, Operator
+from ..base.ranks import Ranks
 from .condensed import CondensedProblem, seen_from
 from .dense import DenseSystem
 from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
@@ -21,25 +21,24 @@ class CollectiveOperator:
     """A matrix that one rank holds and all ranks apply together.
 
     Args:
-        comm: The ranks.
+        ranks: The ranks.
         owner: The rank that holds the matrix.
         matrix: The matrix on that rank; the others need none.
         size: The number of its rows and columns where there is no matrix.
     """
 
-    def __init__(self, comm: MPI.Comm, owner: int, matrix: Any = None, size: int = 0) -> None:
-        self._comm, self._owner, self._matrix = comm, owner, matrix
+    def __init__(self, ranks: Ranks, owner: int, matrix: Any = None, size: int = 0) -> None:
+        self._ranks, self._owner, self._matrix = ranks, owner, matrix
         self.shape = (size, size) if matrix is None else matrix.shape
 
     def __matmul__(self, y: Floats) -> Floats:
-        own = self._matrix is not None and self._comm.rank == self._owner
+        own = self._matrix is not None and self._ranks.comm.rank == self._owner
         product = np.ascontiguousarray(self._matrix @ y) if own else np.empty_like(y, order="C")
-        self._comm.Bcast(product, root=self._owner)
-        return product
+        return self._ranks.sent(product, self._owner)
 
     def gathered(self) -> scipy.sparse.csr_matrix:
         """The matrix, on every rank."""
-        return self._comm.bcast(self._matrix, root=self._owner)
+        return self._ranks.gather(self._matrix)[self._owner]
 
 
 def as_matrix(operator: Any) -> Operator:
@@ -82,7 +81,7 @@ class SharedProblem:
 class RemoteProblem:
     """A local problem that another rank holds: gaps, forces and energies can be found from it, solves cannot."""
 
-    def __init__(self, task: LocalTask, shared: SharedProblem, owner: int, comm: MPI.Comm) -> None:
+    def __init__(self, task: LocalTask, shared: SharedProblem, owner: int, ranks: Ranks) -> None:
         self.name, self.length, self.dofs = task.body.name, task.body.mesh.size, task.discrete
         self.factor_free, self.kept = shared.factor_free, shared.kept
         self.load, self.constant = shared.load, shared.constant
@@ -91,7 +90,7 @@ class RemoteProblem:
         kinematics, scale = task.body.kinematics, shared.stiffness_scale
         self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, scale)
         if shared.stiffness is None:
-            self.stiffness: Operator = CollectiveOperator(comm, owner, size=self.dofs.space.size)
+            self.stiffness: Operator = CollectiveOperator(ranks, owner, size=self.dofs.space.size)
             self._system: DenseSystem | None = None
         else:
             self.stiffness = shared.stiffness

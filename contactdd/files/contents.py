@@ -1,0 +1,244 @@
+"""Nodes, cells and named groups as arrays, whatever program wrote them, and the meshes that they make."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..base import compat
+from ..base.arrays import Floats
+from ..base.checks import listed
+from ..base.conformity import numbered, side_corners
+from ..mesh import Mesh, from_arrays, inside_the_body
+from .kinds import DEGREES, SERENDIPITY, SIDES, Kind, completed
+
+Whole = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Block:
+    """Cells of one kind: their numbers (cells,) and the numbers of their nodes (cells, nodes) in gmsh's order."""
+
+    kind: Kind
+    numbers: Whole
+    nodes: Whole
+
+
+@dataclass(frozen=True)
+class Contents:
+    """The nodes, cells and groups that a file or a model holds.
+
+    source: its name in messages; dim: the dimension of the cells; numbers: (nodes,) increasing; x: (nodes, 3); blocks:
+    the cells; bodies: {name: numbers of cells}; all_cells: whether cells in no group are taken too where no group is
+    asked for; surfaces: {name: corner nodes of facets, arrays (facets, corners)}; node_sets: {name: numbers of nodes},
+    each the surface of those outer facets whose corners are all in it.
+    """
+
+    source: str
+    dim: int
+    numbers: Whole
+    x: Floats
+    blocks: Sequence[Block]
+    bodies: Mapping[str, Whole] = field(default_factory=dict)
+    all_cells: bool = False
+    surfaces: Mapping[str, Sequence[Whole]] = field(default_factory=dict)
+    node_sets: Mapping[str, Whole] = field(default_factory=dict)
+
+    def mesh(self, body: str | None = None) -> Mesh:
+        """The mesh of one group of cells, by default of all cells in groups, or of all where there are no groups.
+
+        Raises ValueError where the cells cannot be computed with: before dolfinx is called, which does not check.
+        """
+        kind, nodes = self._cells(body)
+        self._check_nodes(kind, nodes)
+        kind, nodes, x = completed(kind, np.searchsorted(self.numbers, nodes), self.x)
+        nodes = nodes[:, compat.from_gmsh_order(*kind)]
+        corners = nodes[:, : kind.corners]
+        facets, owners = self._facets(kind, corners)
+        used, cells = np.unique(nodes, return_inverse=True)
+        x, cells = x[used], cells.reshape(nodes.shape)
+        self._check_coordinates(used, x)
+        surfaces, left_out = self._surfaces(facets, owners, kind)
+        element = compat.coordinate_element(kind.shape, DEGREES[kind])
+        return from_arrays(cells, x[:, : self.dim], element, surfaces, left_out)
+
+    def _cells(self, body: str | None) -> tuple[Kind, Whole]:
+        """The kind and nodes of the cells of a body, each cell once."""
+        if body is not None and body not in self.bodies:
+            raise ValueError(
+                f"body = {body!r}: {self.source} has no such group of cells (it has {listed(self.bodies)})"
+            )
+        chosen = self._chosen(body)
+        blocks = [(block.kind, block.nodes[np.isin(block.numbers, chosen)]) for block in self.blocks]
+        blocks = [(kind, nodes) for kind, nodes in blocks if len(nodes)]
+        if not blocks:
+            raise ValueError(f"{self.source} has no cells of dimension {self.dim}")
+        whose = "" if body is None else f" in the group {body!r}"
+        self._check_kinds([kind for kind, _ in blocks], whose)
+        kind = blocks[0][0]
+        nodes = np.concatenate([nodes for _, nodes in blocks])
+        # A cell in several groups is one cell, also where the file has it once for each.
+        _, first = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)
+        return kind, nodes[np.sort(first)]
+
+    def _chosen(self, body: str | None) -> Whole:
+        """The numbers of a body's cells."""
+        if body is not None:
+            return self.bodies[body]
+        everything = self.all_cells or not self.bodies
+        groups = [block.numbers for block in self.blocks] if everything else list(self.bodies.values())
+        return np.unique(np.concatenate(groups)) if len(groups) else np.zeros(0, dtype=np.int64)
+
+    def _check_kinds(self, kinds: Sequence[Kind], whose: str) -> None:
+        names = " and ".join(sorted({str(kind) for kind in kinds}))
+        if len(set(kinds)) > 1:
+            raise ValueError(
+                f"{self.source} has cells of several kinds{whose}: {names}; expected one kind in a body. Mesh it with "
+                "one kind, or give each a group of its own and read them as two bodies"
+            )
+        if kinds[0] not in DEGREES and kinds[0] not in SERENDIPITY:
+            able = ", ".join(str(kind) for kind in (*DEGREES, *SERENDIPITY) if _dim(kind) == self.dim)
+            raise ValueError(f"{self.source} has {names}{whose}, which cannot be computed with; mesh it with {able}")
+
+    def _check_nodes(self, kind: Kind, nodes: Whole) -> None:
+        """Refuse cells whose nodes are not there or not all different, and nodes that hang."""
+        there = np.isin(nodes, self.numbers)
+        if not np.all(there):
+            raise ValueError(f"{self.source}: a cell has the node {nodes[~there][0]}, which is not there")
+        repeated = np.any(np.diff(np.sort(nodes, axis=1), axis=1) == 0, axis=1)
+        if np.any(repeated):
+            raise ValueError(
+                f"{self.source}: {int(repeated.sum())} of the {kind} have a node twice (degenerate), one of them the "
+                f"nodes {nodes[int(np.argmax(repeated))].tolist()}; expected {kind.nodes} different ones"
+            )
+        hanging = np.intersect1d(nodes[:, : kind.corners], nodes[:, kind.corners :])
+        if len(hanging):
+            at = self.x[np.searchsorted(self.numbers, hanging[0])]
+            raise ValueError(
+                f"{self.source}: {len(hanging)} hanging nodes, each a corner of one cell and the middle of an edge or "
+                f"face of another, one of them at {at[: self.dim]}; expected cells that meet corner to corner"
+            )
+
+    def _check_coordinates(self, used: Whole, x: Floats) -> None:
+        if not np.all(np.isfinite(x)):
+            bad = int(np.argmin(np.isfinite(x).all(axis=1)))
+            name = self.numbers[used[bad]] if used[bad] < len(self.numbers) else used[bad]
+            raise ValueError(f"{self.source}: node {name} has coordinates {x[bad]}; expected finite numbers")
+        if self.dim == 2 and np.ptp(x[:, 2]) > 1e-8 * np.ptp(x, axis=0).max():  # files round coordinates
+            raise ValueError(
+                f"{self.source}: the plane cells reach from z = {x[:, 2].min():g} to {x[:, 2].max():g}; expected a "
+                "mesh in a plane z = constant"
+            )
+
+    def _facets(self, kind: Kind, corners: Whole) -> tuple[Whole, Whole]:
+        """The sorted corners of every cell's facets, (cells · facets, corners), and a number of each."""
+        facets = side_corners(kind.shape, corners, self.dim - 1)
+        facets = facets.reshape(-1, facets.shape[2])
+        numbers = numbered(facets)
+        counts = np.bincount(numbers)
+        if counts.max() > 2:
+            bad = int(np.argmax(counts[numbers] > 2))
+            raise ValueError(
+                f"{self.source}: {int(np.sum(counts > 2))} facets have more than two cells, one of them at "
+                f"{self.x[facets[bad]].mean(axis=0)[: self.dim]}; expected cells that do not lie on each other"
+            )
+        return facets, numbers
+
+    def _surfaces(self, facets: Whole, numbers: Whole, kind: Kind) -> tuple[dict[str, Whole], dict[str, str]]:
+        """The (cell, local facet) of each facet of a surface, (facets, 2), and why other groups are no surfaces.
+
+        A group with facets inside the body is none: its name is kept for whoever asks for it.
+        """
+        outer = np.bincount(numbers)[numbers] == 1
+        per_cell = len(SIDES[kind.shape])
+        surfaces, left_out = {}, {}
+        for name, rows in self._groups(facets, outer):
+            places = _matches(facets, rows)
+            within = len(np.unique(numbers[places[~outer[places]]]))
+            if within:
+                left_out[name] = inside_the_body(within)
+            elif len(places):
+                surfaces[name] = np.column_stack([places // per_cell, places % per_cell])
+            elif name in self.surfaces:
+                left_out[name] = "no facet of that group belongs to this body"
+            else:
+                left_out[name] = "no outer facet of this body has all its corners in that set of nodes"
+        return surfaces, left_out
+
+    def _groups(self, facets: Whole, outer: NDArray[np.bool_]) -> Iterator[tuple[str, Whole]]:
+        """The sorted corners (facets, corners), as places in x, of each group of facets."""
+        for name, arrays in self.surfaces.items():
+            rows = [np.sort(self._places(name, array), axis=1) for array in arrays if len(array)]
+            strange = sum(int(np.sum(~self._on_cells(array))) for array in rows)
+            if strange:
+                total = sum(len(array) for array in rows)
+                raise ValueError(
+                    f"{self.source}: {strange} of the {total} facets of the group {name!r} belong to no cell"
+                )
+            rows = [array for array in rows if array.shape[1] == facets.shape[1]]
+            yield name, np.concatenate(rows) if rows else facets[:0]
+        for name, nodes in self.node_sets.items():
+            if name not in self.surfaces:
+                within = np.isin(facets, np.searchsorted(self.numbers, np.intersect1d(nodes, self.numbers)))
+                yield name, facets[outer & within.all(axis=1)]
+
+    def _places(self, name: str, nodes: Whole) -> Whole:
+        there = np.isin(nodes, self.numbers)
+        if not np.all(there):
+            raise ValueError(f"{self.source}: the group {name!r} has the node {nodes[~there][0]}, which is not there")
+        return np.searchsorted(self.numbers, nodes)
+
+    def _on_cells(self, rows: Whole) -> NDArray[np.bool_]:
+        """Which of some facets (facets, corners) are the side of a cell, whatever its kind and group."""
+        all_sides = self._all_sides.get(rows.shape[1])
+        if all_sides is None:
+            return np.zeros(len(rows), dtype=bool)
+        near = all_sides[np.isin(all_sides, rows).all(axis=1)]
+        numbers = numbered(np.concatenate([near, rows]))
+        return np.isin(numbers[len(near) :], numbers[: len(near)])
+
+    @cached_property
+    def _all_sides(self) -> dict[int, Whole]:
+        """The sides of all cells by their number of corners, as places in x."""
+        found: dict[int, list[Whole]] = {}
+        for block in self.blocks:
+            for side in SIDES[block.kind.shape]:
+                rows = np.searchsorted(self.numbers, block.nodes[:, side])
+                found.setdefault(len(side), []).append(np.sort(rows, axis=1))
+        return {count: np.concatenate(rows) for count, rows in found.items()}
+
+
+def merged(groups: Iterator[tuple[str, Whole]]) -> dict[str, Whole]:
+    """Groups of numbers by name, stripped of blanks; those of one name are one."""
+    found: dict[str, list[Whole]] = {}
+    for name, numbers in groups:
+        found.setdefault(name.strip(), []).append(numbers)
+    return {name: np.unique(np.concatenate(each)) for name, each in found.items()}
+
+
+def _matches(facets: Whole, rows: Whole) -> Whole:
+    """The places in `facets` (n, corners) of those that are among `rows` (m, corners), all of sorted corners."""
+    near = np.flatnonzero(np.isin(facets, rows).all(axis=1))
+    if len(near) == 0:
+        return near
+    numbers = numbered(np.concatenate([facets[near], rows]))
+    return near[np.isin(numbers[: len(near)], numbers[len(near) :])]
+
+
+def _dim(kind: Kind) -> int:
+    return 2 if kind.shape in ("triangle", "quadrilateral") else 3
+
+
+def in_order(source: str, numbers: NDArray[np.int64], x: Floats) -> tuple[Whole, Floats]:
+    """The numbers of nodes in increasing order, each once, and their coordinates (nodes, 3)."""
+    ordered, first = np.unique(np.asarray(numbers, dtype=np.int64), return_index=True)
+    if len(ordered) < len(numbers):
+        twice = np.setdiff1d(np.arange(len(numbers)), first)
+        for place in twice:
+            if not np.array_equal(x[place], x[first[np.searchsorted(ordered, numbers[place])]], equal_nan=True):
+                raise ValueError(f"{source}: the node {numbers[place]} is there twice, at different places")
+    return ordered, x[first]

@@ -1,0 +1,94 @@
+"""Meshes from files: the format is told by how the file begins, and each has its reader."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..base.checks import as_count
+from ..mesh import Mesh
+from .contents import Contents
+from .formats import format_of, refuse
+
+GMSH = ".msh files of gmsh 2 and 4 and .geo scripts"
+ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp), universal files (.unv)"
+
+
+def read_gmsh(
+    path: str | Path, dim: int | None = None, *, body: str | None = None, order: int = 1, **parameters: float
+) -> Mesh:
+    """The mesh in a .msh file, or of a .geo script with its ONELAB numbers "Parameters/…" set to `parameters`.
+
+    What a script makes is kept in the user's cache (`mesh_cache`) and made anew when the script, a file that it names,
+    the parameters or the order change.
+
+    Args:
+        path: a .msh file of gmsh 2 or 4, or a .geo script.
+        dim: 2 or 3; by default 3 if there are solid cells.
+        body: the physical group of cells to take, see `from_gmsh`.
+        order: of the geometry that a script gets, 2 for curved cells.
+        parameters: numbers that the script declares under "Parameters/".
+
+    Raises:
+        FileNotFoundError: if there is no such file.
+        ValueError: if it is in another format, which is named before gmsh sees it, or for what `from_gmsh` refuses.
+    """
+    path = Path(path)
+    found = format_of(path)
+    if found not in ("gmsh mesh", "gmsh script"):
+        raise refuse(path, found, "cd.read_gmsh", GMSH)
+    return _contents(path, found, dim, order, parameters).mesh(body)
+
+
+def read_mesh(
+    path: str | Path, body: str | None = None, *, dim: int | None = None, order: int = 1, **parameters: float
+) -> Mesh:
+    """The mesh of a body in a file of gmsh, Abaqus or CalculiX, or in a universal file, with its named surfaces.
+
+    Args:
+        path: the file; how it begins tells its format.
+        body: the group of cells to take: a physical group of gmsh, an *ELSET of a deck (in capitals), a group of
+            elements. By default all cells; of gmsh's files those in groups, if there are such.
+        dim: 2 or 3; by default 3 if there are solid cells.
+        order: of the geometry that a .geo script gets.
+        parameters: numbers of a .geo script.
+
+    Raises:
+        FileNotFoundError: if there is no such file.
+        ValueError: if the format is not read here, with what to do; if there is no such group; for cells of several
+            kinds, or that cannot be computed with; for groups of facets that belong to no cell.
+    """
+    path = Path(path)
+    return _contents(path, format_of(path), dim, order, parameters).mesh(body)
+
+
+def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **parameters: float) -> dict[str, Mesh]:
+    """Every group of cells in a file as a mesh of its own, {name: mesh}; see `read_mesh`.
+
+    Groups may overlap: which of them are the bodies is yours to choose. `Mesh.pieces` takes apart what one group
+    holds together. A file without groups of cells is refused.
+    """
+    path = Path(path)
+    found = _contents(path, format_of(path), dim, order, parameters)
+    if not found.bodies:
+        raise ValueError(f"path = {str(path)!r}: the file has no groups of cells; cd.read_mesh reads it as one mesh")
+    return {name: found.mesh(name) for name in found.bodies}
+
+
+def _contents(path: Path, found: str, dim: int | None, order: int, parameters: Mapping[str, float]) -> Contents:
+    """What a file in a format that is read here holds."""
+    if found in ("gmsh mesh", "gmsh script"):
+        from . import gmsh
+
+        return gmsh.read(path, dim, found == "gmsh script", as_count("order", order), parameters)
+    if parameters or order != 1:
+        raise ValueError(f"path = {str(path)!r}: parameters and order are for .geo scripts")
+    if found == "Abaqus or CalculiX deck":
+        from . import deck
+
+        return deck.read(path, dim)
+    if found == "universal file":
+        from . import universal
+
+        return universal.read(path, dim)
+    raise refuse(path, found, "cd.read_mesh", ALL)

@@ -1,0 +1,150 @@
+"""What the ranks of a scene must have in common, compared before a solve: else each would find another wrong answer.
+
+Texts are compared as they are, numbers to rounding, which other processors may do otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from ..base.facets import surface_points
+from ..body import Body
+from ..layer import Layer
+from ..meshless import MeshlessBody
+from ..parameter import current
+from ..scene import Scene
+
+#: Sums over arrays may differ by this part of the sum of magnitudes: rounding of their entries.
+SAME = 1e-12
+
+
+#: A label and what is told of it: a text, or (Σ cᵢ xᵢ, Σ |xᵢ|) of numbers x; None agrees with everything.
+Told = tuple[str, str | tuple[float, float] | None]
+
+
+def refuse_differences(scene: Scene, settings: Mapping[str, Any]) -> None:
+    """Refuse, on all ranks, a scene or settings of a solve that are others on some of them."""
+    ranks = scene.ranks
+    if ranks.alone:
+        return
+    here = list(_told(scene, settings))
+    first = ranks.agree(here)
+    for rank, difference in enumerate(ranks.gather(_difference(first, here))):
+        if difference:
+            raise ValueError(f"{difference} on rank {rank}; expected the same scene and solves on all ranks")
+
+
+def _difference(first: list[Told], here: list[Told]) -> str:
+    """The first difference, in words, or nothing."""
+    for (label, one), (other_label, other) in zip(first, here, strict=False):
+        if label != other_label:
+            return f"{other_label} instead of {label} of the first rank"
+        if not _agree(one, other):
+            shown = f"{other} (first rank: {one})" if isinstance(one, str) else "differs from that of the first rank"
+            return f"{label}: {shown}"
+    return "" if len(first) == len(here) else f"{len(here)} items of the scene instead of {len(first)}"
+
+
+def _agree(one: Any, other: Any) -> bool:
+    if one is None or other is None or isinstance(one, str) or isinstance(other, str):
+        return one is None or other is None or one == other
+    return np.allclose(one, other, rtol=0.0, atol=SAME * max(one[1], other[1]), equal_nan=True)
+
+
+def _told(scene: Scene, settings: Mapping[str, Any]) -> Iterator[Told]:
+    for name, value in settings.items():
+        yield name, _plain(value)
+    for body in scene.bodies:
+        for label, told in _of_body(body):
+            yield f"body {body.name!r}, {label}", told
+    for contact, interface in zip(scene.contacts, scene.interfaces, strict=True):
+        yield f"contact {contact.name!r}, points", _measure(np.hstack([interface.x, interface.weights[:, None]]))
+        yield f"contact {contact.name!r}, gap", _measure(interface.gap)
+        yield f"contact {contact.name!r}, layer", _text(contact.layer)
+        yield f"contact {contact.name!r}, law of the layer", _of_layer(interface.contact.layer, contact.reach)
+
+
+def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:
+    if isinstance(body, MeshlessBody):
+        yield "kind", type(body).__name__
+        for name, value in vars(body).items():
+            yield name, _plain(current(value))
+        return
+    domain = body.mesh.domain
+    yield "elements", f"{body.mesh.cells} {domain.topology.cell_name()}s, degree {body.degree}, {body.kinematics.name}"
+    yield "coordinates", _measure(domain.geometry.x)
+    for name, facets in body.mesh.surfaces.items():
+        yield f"surface {name!r}", _measure(facets)
+    x = domain.geometry.x.T[:, :1] if not body.material.varies else domain.geometry.x.T
+    yield "material", _measure(body.material.stiffness(x) if body.material.varies else body.material.stiffness())
+    for number, item in enumerate((*body.supports, *body.loads)):
+        kind = f"{type(item).__name__} {number}"
+        for name, value in vars(item).items():
+            for part, told in enumerate(_of_value(body, item, value)):
+                yield f"{kind}, {name} {part}", told
+
+
+def _of_value(body: Body, item: Any, value: Any) -> list[str | tuple[float, float] | None]:
+    """What a value of a support or load tells, or its entries where it is a list."""
+    value = current(value)
+    if isinstance(value, ufl.core.expr.Expr):
+        return [_measure(array) for array in _arrays(value)] + [type(value).__name__]
+    if callable(value):
+        return [_measure(np.asarray(value(_points(body, item)), dtype=float))]
+    if isinstance(value, list | tuple):
+        return [told for part in value for told in _of_value(body, item, part)]
+    return [_plain(value)]
+
+
+def _points(body: Body, item: Any) -> Any:
+    """Where fields of a support or load are sampled: in the middle of its facets, or at all nodes; (3, points)."""
+    domain, surface = body.mesh.domain, getattr(item, "surface", None)
+    if surface is None:
+        return domain.geometry.x.T
+    middle = np.full((1, body.mesh.dim - 1), 0.5 if body.mesh.dim == 2 else 1 / 3)
+    x = surface_points(domain, body.mesh.entities(surface), middle).x
+    return np.vstack([x.T, np.zeros((3 - x.shape[1], len(x)))])
+
+
+def _arrays(expression: Any) -> list[Any]:
+    """The values in a UFL expression that may change."""
+    coefficients = ufl.algorithms.extract_coefficients(expression)
+    constants = ufl.algorithms.analysis.extract_constants(expression)
+    return [c.x.array for c in coefficients if isinstance(c, fem.Function)] + [c.value for c in constants]
+
+
+def _of_layer(layer: Layer, reach: float) -> tuple[float, float] | None:
+    """The stresses of a law, to be compared where its text does not give it: within what it is made for."""
+    if hasattr(layer, "compression_range"):
+        return _measure(layer.contact_stress(-layer.compression_range * np.logspace(-6, 0, 7)))
+    try:
+        with np.errstate(all="ignore"):
+            return _measure(layer.contact_stress(-reach * np.logspace(-9, -4, 6)[:, None]))
+    except Exception:  # beyond what a law is defined for; it is not asked for its range
+        return None
+
+
+def _plain(value: Any) -> str | tuple[float, float]:
+    if isinstance(value, bool | str) or value is None:
+        return repr(value)
+    try:
+        return _measure(np.asarray(value, dtype=float))
+    except (TypeError, ValueError):
+        return _text(value)
+
+
+def _text(value: Any) -> str:
+    """A text without addresses in memory."""
+    plain = type(value).__repr__ is object.__repr__ or callable(value)
+    return type(value).__name__ if plain else repr(value)
+
+
+def _measure(array: Any) -> tuple[float, float]:
+    """Σ cᵢ xᵢ with unlike cᵢ in (−1, 1), and Σ |xᵢ|."""
+    x = np.ravel(np.asarray(array, dtype=float))
+    return float(np.cos(1.0 + np.arange(len(x))) @ x), float(np.abs(x).sum())
