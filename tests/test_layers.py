@@ -582,7 +582,7 @@ def test_barton_bandis_joint_in_a_column_under_a_load():
 def test_calculix_contact1():
     """Its two blocks in series, as stiff as M A/h: force 0.8310962, displacements -2.9399321e-6 and -2.9874144e-6.
 
-    The load, 1, acts on the contact face of the upper block, whose other end is held; F = 0.2 exp(3e7 d) on 0.2 × 0.2.
+    The load, 1, acts on the contact face of the upper block, whose other end is held; F = 0.2 exp(β d) on 0.2 × 0.2, β = log(100)/1.5351e-7.
     """
     material, sides = cd.Isotropic(2.1e5, 0.3), cd.Symmetry("left", "right")
     lower = cd.Body(
@@ -595,14 +595,14 @@ def test_calculix_contact1():
         supports=[sides, cd.Symmetry("top")],
         loads=[cd.Traction("bottom", [0.0, -25.0])],
     )
-    layer = cd.ExponentialLayer.of_separation(p0=5.0, decay=1 / 3e7)
+    layer = cd.ExponentialLayer.calculix(p0=5.0, c0=1.5351e-7)
     scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), layer)])
     solution = cd.solve(scene, tolerance=1e-12)
-    # Seven digits are given, cut off.
-    assert 0.2 * solution.contact().force == pytest.approx(0.8310962, abs=1e-7)
+    # As many digits as are given.
+    assert 0.2 * solution.contact().force == pytest.approx(0.8310962, abs=5e-8)
     for body, exact in (("lower", -2.9399321e-6), ("upper", -2.9874144e-6)):
         vertical = solution.displacement(body).x.array.reshape(-1, 2)[:, 1]
-        assert vertical.min() == pytest.approx(exact, abs=5e-13)
+        assert vertical.min() == pytest.approx(exact, abs=1e-13)
 
 
 def test_rigid_sphere_on_an_elastic_foundation():

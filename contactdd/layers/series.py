@@ -12,7 +12,7 @@ from ..layer import Layer
 
 
 class SeriesLayer(Layer):
-    """Two or more layers in series: c(p) = c₁(p) + c₂(p) + …
+    """Two or more layers in series, c(p) = c₁(p) + c₂(p) and so on.
 
     A coating on a rough surface, both surfaces' own layers, a gasket with its sheet. The pressure at a given
     compression is found by Newton's method between bounds, to rounding. Where each layer begins at a clearance of its
