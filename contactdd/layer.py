@@ -17,6 +17,7 @@ import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -182,10 +183,13 @@ class PowerLayer(Layer):
         return (c / self.B) ** (1 / self.a)
 
     def _slope(self, c: Floats) -> Floats:
-        at_zero = np.where(self.a == 1, 1 / self.B, np.where(self.a > 1, np.inf, 0.0))
-        chord = np.array(np.broadcast_to(self.a * at_zero, np.shape(c)))
+        chord = np.full(np.shape(c), self.a * self._slope_at_zero)
         np.divide(self._pressure(c), c, out=chord, where=c != 0)
         return chord / self.a
+
+    @cached_property
+    def _slope_at_zero(self) -> Floats:
+        return np.where(self.a == 1, 1 / self.B, np.where(self.a > 1, np.inf, 0.0))
 
     def _secant(self, deep: Floats, shallow: Floats) -> Floats:
         # With r = shallow/deep the quotient is p(deep)/deep · (1 - r^(1/a)) / (1 - r). Near r = 1 log r

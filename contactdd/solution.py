@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -424,7 +425,10 @@ class Solution:
 
 def _passed(interface: Interface, gaps: Floats) -> str:
     """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
-    contact, limit = interface.contact, np.broadcast_to(interface.contact.layer.compression_limit, gaps.shape)
+    contact, limit = interface.contact, interface.contact.layer.compression_limit
+    if limit is math.inf:
+        return ""
+    limit = np.broadcast_to(limit, gaps.shape)
     beyond = -gaps > limit * (1 + 1e-9)  # at the last point itself rounding tells nothing
     if not np.any(beyond):
         return ""
