@@ -79,7 +79,11 @@ class BodyResult:
         return von_mises(self.stress)
 
     def drawn(self, scale: float) -> Floats:
-        """Where the nodes are drawn, (n, dim), the displacements enlarged `scale` times."""
+        """Where the nodes are drawn, (n, dim).
+
+        Args:
+            scale: how many times displacements and gaps are enlarged.
+        """
         return self.points + scale * self.displacement + sum(fit.shift(scale) for fit in self.fits)
 
 

@@ -29,9 +29,9 @@ class Contact:
     the gap is the layer's clearance, 0 for most: all gaps of a solution count from there;
     gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number, a `Parameter` or a
     function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
-    do not match; measure_gap: whether the distance of the two meshes counts; without it d is `gap` alone, as for
-    surfaces that fit but whose straight facets do not; search_distance: how far apart partners may be (length), by
-    default the smaller body's size; quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree:
+    do not match; measure_gap: whether the distance of the two meshes counts, where they do not match that of the smooth
+    surfaces behind their facets; without it d is `gap` alone; search_distance: how far apart partners may be (length),
+    by default the smaller body's size; quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree:
     another degree of exactness; name: by default "first–second" by the bodies' names.
     """
 

@@ -198,7 +198,11 @@ class ContactResult:
         return frame(self.columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
-        """The CSV file written, one line per point; the numbers read back are the same to the last digit."""
+        """The CSV file written, one line per point; the numbers read back are the same to the last digit.
+
+        Args:
+            path: of the file.
+        """
         return write_csv(path, self.columns())
 
     def __repr__(self) -> str:

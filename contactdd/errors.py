@@ -16,13 +16,16 @@ class ContactWarning(UserWarning):
 class LooseBodyError(ContactError):
     """A body that neither its supports nor the active contact hold.
 
-    Attributes: `body`, its name; `motion`, the free rigid motion in words.
+    Attributes: `body`, its name; `motion`, the free rigid motion in words; `advice`, the end of the message.
     """
 
-    def __init__(self, body: str, motion: str) -> None:
-        super().__init__(f"body {body!r} is held by nothing: its supports and the active contact leave {motion} free")
+    def __init__(self, body: str, motion: str, advice: str = "") -> None:
+        super().__init__(
+            f"body {body!r} is held by nothing: its supports and the active contact leave {motion} free{advice}"
+        )
         self.body = body
         self.motion = motion
+        self.advice = advice
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.body, self.motion)
@@ -50,9 +53,9 @@ class NoEquilibriumError(NotConvergedError):
     Attributes: `body`, its name; `motion`, in words; `status`, `reason` and `solution`, the last state.
     """
 
-    def __init__(self, body: str, motion: str, solution: Any) -> None:
+    def __init__(self, body: str, motion: str, solution: Any, advice: str = "") -> None:
         super().__init__(
-            "no equilibrium", f"the loads move body {body!r} for ever: nothing stops its {motion}", solution
+            "no equilibrium", f"the loads move body {body!r} for ever: nothing stops its {motion}{advice}", solution
         )
         self.body = body
         self.motion = motion
@@ -73,5 +76,5 @@ class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
 
 
-class LargeStrainWarning(UserWarning):
+class LargeStrainWarning(ContactWarning):
     """Strains or rotations of a solution are so large that linear theory, and with it the solution, is doubtful."""

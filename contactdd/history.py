@@ -17,13 +17,13 @@ from .base.table import frame, write_csv
 
 @dataclass(frozen=True)
 class Record:
-    """One iteration.
+    """One iteration, from u^k to u^{k+1}.
 
-    iteration: from 1; gamma: γ^k; change: the largest over the bodies of ‖u_n^{k+1} − u_n^k‖₂ / ‖u_n^{k+1}‖₂, at the
+    iteration: k + 1; gamma: γ^k; change: the largest over the bodies of ‖u_n^{k+1} − u_n^k‖₂ / ‖u_n^{k+1}‖₂, at the
     nodes of the contacts where it is the stopping rule, as in the paper, else at their points;
-    residual: ‖F₁'(u^k)‖ relative to the forces at work; energy: F₁(u^k); contact: the area where z^k < 0;
-    phi_min, phi_max: the range of φ^k; body_solves: solves of single bodies so far; seconds: CPU time since the start;
-    note: what the method decided.
+    residual: ‖F₁'(u^{k+1})‖ relative to the forces at work; energy: F₁(u^{k+1}); contact: the area where z^{k+1} < 0,
+    all of the iterate that it ends with; phi_min, phi_max: the range of φ^k; body_solves: solves of single bodies so
+    far; seconds: CPU time since the start; note: what the method decided.
     """
 
     iteration: int
@@ -49,6 +49,11 @@ class History:
         self._records: list[Record] = []
 
     def append(self, record: Record) -> None:
+        """Add an iteration.
+
+        Args:
+            record: of it.
+        """
         self._records.append(record)
 
     def __len__(self) -> int:
@@ -74,17 +79,30 @@ class History:
         return frame(self.columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
-        """The CSV file written, one line per iteration."""
+        """The CSV file written, one line per iteration.
+
+        Args:
+            path: of the file.
+        """
         return write_csv(path, self.columns())
 
     def plot(self, *, quantity: str = "residual", path: str | os.PathLike[str] | None = None) -> Any:
-        """A matplotlib figure of the "residual" or the "change" in every iteration, with the fitted rate."""
+        """A matplotlib figure of how the run converged, with the fitted rate.
+
+        Args:
+            quantity: "residual" or "change".
+            path: where it is also saved.
+        """
         from .view.convergence_plot import plot_convergence
 
         return plot_convergence({"": getattr(self, quantity)}, quantity=quantity, path=path)
 
     def table(self, last: int | None = None) -> str:
-        """The (last) iterations as text."""
+        """The iterations as text.
+
+        Args:
+            last: how many of the last; by default all.
+        """
         rows = self._records if last is None else self._records[-last:]
         head = " ".join(f"{name:>11}" for name in COLUMNS)
         return "\n".join([head] + [" ".join(_cell(value) for value in astuple(row)).rstrip() for row in rows])

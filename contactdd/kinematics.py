@@ -95,6 +95,14 @@ class Kinematics:
         """
         if self.ring:
             return np.tile([[0.0], [1.0]], (len(x), 1, 1))
+        return self.mesh_motions(x)
+
+    def mesh_motions(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Displacements of the rigid motions of the mesh alone at points x (n, 3), shape (n, dim, modes).
+
+        On a mesh of rings all but the one along the axis strain the rings, but only by the order of u_r/r: within a
+        cell they are smooth, and that is what multigrid has to know as nearly free of stress.
+        """
         centred = x[:, : self.dim] - x[:, : self.dim].mean(axis=0)
         centred /= max(np.abs(centred).max(initial=0.0), np.finfo(float).tiny)
         planes = ((1, 0),) if self.dim == 2 else ((2, 1), (0, 2), (1, 0))

@@ -13,7 +13,7 @@ from dolfinx import mesh as dmesh
 from numpy.typing import NDArray
 
 from .base import compat
-from .base.arrays import Floats
+from .base.arrays import Floats, Integers
 from .base.checks import as_count, as_floats, check_choice, finite, listed
 from .base.conformity import hanging_nodes, pieces, ring_edges
 from .base.facets import facet_corners, facet_entities, facet_nodes
@@ -75,7 +75,15 @@ class Mesh:
         return float(np.ptp(self.domain.geometry.x, axis=0).max())
 
     def facets(self, surface: str) -> NDArray[np.int32]:
-        """The facet indices of a named surface; a name that is not there is refused with the list of those that are."""
+        """The facet indices of a named surface, sorted, (facets,).
+
+        Args:
+            surface: its name.
+
+        Raises:
+            ValueError: if there is no surface of that name, with the list of those there are; or, of a group that is no
+                surface, why not.
+        """
         if isinstance(surface, str) and surface in self.left_out:
             raise ValueError(f"surface = {surface!r}: {self.left_out[surface]}; expected a part of the boundary")
         if not isinstance(surface, str) or surface not in self.surfaces:
@@ -84,7 +92,11 @@ class Mesh:
         return self.surfaces[surface]
 
     def entities(self, surface: str) -> NDArray[np.int32]:
-        """(cell, local facet) of each facet of a named surface, (facets, 2)."""
+        """The (cell, local facet) of each facet of a named surface, (facets, 2).
+
+        Args:
+            surface: its name; refused as by `facets`.
+        """
         self.facets(surface)  # refuses an unknown name
         return self._entities[surface]
 
@@ -104,9 +116,9 @@ class Mesh:
         return mesh
 
     @cached_property
-    def piece_of_cell(self) -> NDArray[np.int64]:
+    def piece_of_cell(self) -> Integers:
         """The number of the piece that each cell belongs to, (cells,); different pieces share no node."""
-        corners = len(basix.geometry(compat.coordinate_map(self.domain).cell_type))
+        corners = np.asarray(basix.geometry(compat.coordinate_map(self.domain).cell_type)).shape[0]
         return pieces(compat.geometry_dofmap(self.domain)[:, :corners])
 
     def _pieces_known(self) -> dict[str, Any]:
@@ -124,6 +136,9 @@ class Mesh:
         """The motion or mirror image that takes another mesh's nodes to this one's, one by one; None if there is none.
 
         Both have to have the same cells, numbered alike, and the same named surfaces.
+
+        Args:
+            other: the mesh whose image this one may be.
         """
         if not (self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)):
             return None
@@ -134,16 +149,30 @@ class Mesh:
         return isometry if isometry is not None and np.array_equal(ours, theirs) else None
 
     def moved(self, offset: Sequence[float]) -> Mesh:
-        """A copy of the mesh, moved by `offset` (dim,). It has the same cells, facets and named surfaces."""
+        """A copy of the mesh elsewhere, with the same cells, facets and named surfaces.
+
+        Args:
+            offset: by how much it is moved, (dim,) lengths.
+
+        Raises:
+            ValueError: for other offsets, and for one so large that rounding would change the cells' shape.
+        """
         by = as_floats("offset", offset, f"{self.dim} finite numbers")
         if by.shape != (self.dim,) or not np.all(np.isfinite(by)):
             raise ValueError(f"offset = {offset!r}: expected {self.dim} finite numbers")
         return self._copy(translation(by), f"offset = {offset!r}")
 
     def mirrored(self, axis: str, at: float) -> Mesh:
-        """The mirror image of the mesh in the plane `axis` = `at`, where `axis` is "x", "y" or, of a solid, "z".
+        """The mirror image of the mesh in the plane `axis` = `at`.
 
         It has the same cells, facets and named surfaces: what was on the left and is now on the right is still "left".
+
+        Args:
+            axis: "x", "y" or, of a solid, "z".
+            at: where the plane crosses that axis.
+
+        Raises:
+            ValueError: for other axes, and for a plane so far away that rounding would change the cells' shape.
         """
         axes = ("x", "y", "z")[: self.dim]
         place = axes.index(check_choice("axis", axis, axes))
@@ -251,10 +280,10 @@ def from_dolfinx(
 
 
 def from_arrays(
-    cells: NDArray[np.int64],
+    cells: Integers,
     x: Floats,
     element: Any,
-    surfaces: Mapping[str, NDArray[np.int64]],
+    surfaces: Mapping[str, Integers],
     left_out: Mapping[str, str],
 ) -> Mesh:
     """The mesh of cells (cells, nodes), their nodes at x (nodes, dim) in the order of the coordinate element.

@@ -28,9 +28,13 @@ from .system.start import Given
 class LoadPath:
     """What a load programme went through.
 
-    values: the parameter's values that were solved for; solutions: one for each, unless they were not to be kept;
-    records: {name: array (steps, ...)} of what was recorded at each; status: "converged", or that of the step that
-    failed or was stopped ("stalled", "stopped", ...); reason: in words; failed: the last state of that step.
+    Args:
+        values: the parameter's values that were solved for.
+        solutions: one for each, unless they were not to be kept.
+        records: {name: array (steps, ...)} of what was recorded at each.
+        status: "converged", or that of the step that failed or was stopped ("stalled", "stopped", ...).
+        reason: in words.
+        failed: the last state of that step.
     """
 
     values: list[Any] = field(default_factory=list)
@@ -57,14 +61,25 @@ class LoadPath:
         return frame(self.columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
-        """The CSV file written, one line per step."""
+        """The CSV file written, one line per step.
+
+        Args:
+            path: of the file.
+        """
         return write_csv(path, self.columns())
 
     def export(self, folder: str | os.PathLike[str], name: str = "series") -> list[Path]:
         """The files written for ParaView: a series name.pvd, the first, and what `Solution.export` writes of each step.
 
         The time of the series is the step's number; each file holds the parameter's value as field data. On several
-        ranks all have to call it; the first writes. Raises ValueError for a path that kept no solutions.
+        ranks all have to call it; the first writes.
+
+        Args:
+            folder: where; it is made if missing.
+            name: of the series' file.
+
+        Raises:
+            ValueError: for a path that kept no solutions.
         """
         from .view.export import export_series
 
@@ -72,7 +87,12 @@ class LoadPath:
         return self.solutions[0].scene.ranks.once(lambda: export_series(steps, Path(folder), name))
 
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
-        """A matplotlib figure of a contact's pressure in every step; options: see `view.path_plot.plot_steps`."""
+        """A matplotlib figure of a contact's pressure in every step, of plane bodies.
+
+        Args:
+            contact: its name, its place in the scene or the `Contact`.
+            options: `along`, `path`, `stress_unit`, `length_unit`, as of `Solution.plot_contact`.
+        """
         from .view.path_plot import plot_steps
 
         return plot_steps([solution.contact(contact) for solution in self._kept()], self._labels(), **options)
@@ -87,7 +107,12 @@ class LoadPath:
         return plot_multiples(self._bodies(), self._labels(), **options)
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
-        """The GIF written, one frame a step; options: `per_second`, and those of `Solution.plot_bodies`."""
+        """The GIF written, one frame a step.
+
+        Args:
+            path: of the file, which ends in .gif.
+            options: `per_second`, and those of `Solution.plot_bodies`.
+        """
         from .view.path_plot import animate
 
         return animate(self._bodies(), self._labels(), path, **options)
@@ -99,7 +124,7 @@ class LoadPath:
         return self.solutions
 
     def _bodies(self) -> list[list[BodyResult]]:
-        return [[solution.body(body) for body in solution.scene.bodies] for solution in self._kept()]
+        return [[solution.body(body) for body in solution._with_mesh()] for solution in self._kept()]
 
     def _labels(self) -> list[str]:
         """Each step's number and the parameter's value."""

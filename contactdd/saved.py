@@ -61,44 +61,76 @@ class SavedSolution:
         return self.status == "converged"
 
     def contact(self, contact: str | int = 0) -> ContactResult:
-        """Pressure, gap and compression of a contact, by its name or place."""
+        """Pressure, gap and compression of a contact.
+
+        Args:
+            contact: its name or its place.
+        """
         return self.contacts[self._name(contact)]
 
     def contact_surface(self, contact: str | int = 0, *, second: bool = False) -> SurfaceResult:
-        """Pressure, gap and status of a contact facet by facet, on the first or on the second body's surface."""
+        """Pressure, gap and status of a contact facet by facet.
+
+        Args:
+            contact: its name or its place.
+            second: whether on the second body's surface instead of the first's.
+
+        Raises:
+            ValueError: for the side of a body without a mesh.
+        """
         surface = self.surfaces[self._name(contact)][int(second)]
         if surface is None:
             raise ValueError(f"contact = {contact!r}, second = {second}: that body has no mesh")
         return surface
 
     def body(self, body: str) -> BodyResult:
-        """A body's displacement and stress at its nodes."""
+        """A body's displacement and stress at its nodes.
+
+        Args:
+            body: its name.
+        """
         for other in self.bodies:
             if other.name == body:
                 return other
         raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.bodies)}")
 
     def forces(self, body: str) -> Mapping[str, Floats]:
-        """The resultants on a body, each (dim,): "loads", "contact" and "supports"."""
+        """The resultants on a body, each (dim,): "loads", "contact" and "supports".
+
+        Args:
+            body: its name.
+        """
         if body not in self.resultants:
             raise ValueError(f"body = {body!r}: expected one of {', '.join(map(repr, self.resultants))}")
         return self.resultants[body]
 
     def plot_contact(self, contact: str | int = 0, **options: Any) -> Any:
-        """A matplotlib figure of pressure and gap over a contact, see `Solution.plot_contact`."""
+        """A matplotlib figure of pressure and gap over a contact, see `Solution.plot_contact`.
+
+        Args:
+            contact: its name or its place.
+        """
         from .view.contact_plot import plot_contact
 
         surfaces = self.surfaces[self._name(contact)]
         return plot_contact(self.contact(contact), next(filter(None, surfaces), None), **options)
 
     def plot_bodies(self, bodies: Sequence[str] | None = None, **options: Any) -> Any:
-        """A picture of the deformed bodies, see `Solution.plot_bodies`."""
+        """A picture of the deformed bodies, see `Solution.plot_bodies`.
+
+        Args:
+            bodies: their names; by default all.
+        """
         from .view.body_plot import plot_bodies
 
         return plot_bodies(self.bodies if bodies is None else [self.body(body) for body in bodies], **options)
 
     def export(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """The files written for ParaView, see `Solution.export`."""
+        """The files written for ParaView, see `Solution.export`.
+
+        Args:
+            folder: where; it is made if missing.
+        """
         from .view.export import Fields, export
 
         contacts = [(name, result, self.surfaces[name]) for name, result in self.contacts.items()]
@@ -160,6 +192,9 @@ def load_solution(folder: str | os.PathLike[str]) -> SavedSolution:
 
     Only numbers and text are read; nothing in the files is executed.
 
+    Args:
+        folder: that was given to `Solution.save`.
+
     Raises:
         ValueError: for a folder without a saved solution, or one that is damaged or of a later version.
 
@@ -215,7 +250,7 @@ def _taken_apart(item: Any, prefix: str, arrays: dict[str, NDArray], skip: str =
         if isinstance(value, np.ndarray):
             arrays[f"{prefix} {name}"] = value
         elif value is not None:
-            plain[name] = value
+            plain[name] = value.item() if isinstance(value, np.generic) else value
     return plain
 
 

@@ -41,8 +41,14 @@ if TYPE_CHECKING:
 class Solution:
     """The result of `solve`.
 
-    status: "converged", "iteration limit", "stalled", "diverged", "no equilibrium" or "stopped"; reason: in words;
-    history: of the iterations; method: the scheme's name.
+    Args:
+        scene: that was solved.
+        ensemble: its discrete problem.
+        state: the last iterate.
+        history: of the iterations.
+        status: "converged", "iteration limit", "stalled", "diverged", "no equilibrium" or "stopped".
+        reason: of that, in words.
+        method: the scheme's name.
     """
 
     def __init__(
@@ -63,10 +69,12 @@ class Solution:
 
     @property
     def converged(self) -> bool:
+        """Whether the stopping rule was met."""
         return self.status == "converged"
 
     @property
     def iterations(self) -> int:
+        """How many iterations there were."""
         return len(self.history)
 
     @property
@@ -75,7 +83,11 @@ class Solution:
         return self._ensemble.interfaces
 
     def displacement(self, body: str | Body) -> fem.Function:
-        """The displacement of a body (length), a dolfinx function."""
+        """The displacement of a body (length), a dolfinx function; of a body without a mesh its unknowns, (dofs,).
+
+        Args:
+            body: its name or the `Body`.
+        """
         place = self._place(body)
         name = self.scene.bodies[place].name
         if self.scene.bodies[place].mesh is None:
@@ -87,7 +99,12 @@ class Solution:
         return self._displacements[name]
 
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
-        """Pressure, gap and compression of a contact, at its own points or at Gauss points of another degree."""
+        """Pressure, gap and compression of a contact at its points.
+
+        Args:
+            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+            degree: of Gauss points that it is told at instead of its own.
+        """
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._state.gaps[index]
         if degree is not None:
@@ -115,9 +132,14 @@ class Solution:
         return tuple(note for note in found if note)
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
-        """Pressure, gap and status of a contact facet by facet, on the first or on the second body's surface.
+        """Pressure, gap and status of a contact facet by facet.
 
-        Raises ValueError for the side of a body without a mesh.
+        Args:
+            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+            second: whether on the second body's surface instead of the first's.
+
+        Raises:
+            ValueError: for the side of a body without a mesh.
         """
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._state.gaps[index]
@@ -128,31 +150,50 @@ class Solution:
     def body(self, body: str | Body) -> BodyResult:
         """A body's displacement and stress at its nodes, as plain arrays.
 
-        Raises ValueError for a body without a mesh.
+        Args:
+            body: its name or the `Body`.
+
+        Raises:
+            ValueError: for a body without a mesh.
         """
         owner = self._meshed(body)
         contacts = list(zip(self.interfaces, self._state.gaps, strict=True))
         return sample.body_result(owner, self.displacement(owner), self.stress(owner), contacts)
 
     def displacement_at(self, body: str | Body, points: ArrayLike) -> Floats:
-        """The displacement (n, dim) of a body at points (n, dim) of its undeformed shape (length).
+        """The displacement (n, dim) of a body at points (length).
 
-        Raises ValueError for points outside of it and for a body without a mesh.
+        Args:
+            body: its name or the `Body`.
+            points: (n, dim) of its undeformed shape.
+
+        Raises:
+            ValueError: for points outside of it and for a body without a mesh.
         """
         owner = self._meshed(body)
         return sample.values_at(owner, self.displacement(owner), points)
 
     def stress_at(self, body: str | Body, points: ArrayLike) -> Floats:
-        """The six stresses (n, 6) of a body at points (n, dim) of its undeformed shape, in the order of `stress`.
+        """The six stresses (n, 6) of a body at points, in the order of `stress`.
 
-        On the border of cells it is that of one of them. Raises ValueError for points outside of the body and for one
-        without a mesh.
+        On the border of cells it is that of one of them.
+
+        Args:
+            body: its name or the `Body`.
+            points: (n, dim) of its undeformed shape.
+
+        Raises:
+            ValueError: for points outside of it and for a body without a mesh.
         """
         owner = self._meshed(body)
         return sample.values_at(owner, self.stress(owner), points)
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
-        """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it."""
+        """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it.
+
+        Args:
+            body: its name or the `Body`; by default all.
+        """
         if body is None:
             return sum(self.elastic_energy(each) for each in self.scene.bodies)
         return self._fields[self._place(body)].elastic_energy
@@ -171,6 +212,9 @@ class Solution:
         """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
 
         In a body of revolution x is the radius, y the axis and z the hoop direction.
+
+        Args:
+            body: its name or the `Body`.
         """
         owner = self.scene.bodies[self._place(body)]
         degree = max(owner.degree - 1, 0)
@@ -187,43 +231,67 @@ class Solution:
         """The resultants on a body, each (dim,): "loads", "contact" and "supports" (reactions and springs).
 
         They sum to zero. In a body of revolution they are those of the full ring, on which radial forces sum to zero.
+
+        Args:
+            body: its name or the `Body`.
         """
         place = self._place(body)
+        parts = self._nodal_forces(place)
+        return {name: self._ensemble.problems[place].dofs.resultant(forces) for name, forces in parts.items()}
+
+    def _nodal_forces(self, place: int) -> dict[str, Floats]:
+        """The forces on a body at all its degrees of freedom, (dofs,) each."""
         problem = self._ensemble.problems[place]
         loads, contact, fields = problem.dofs.load, self._contact_load(place), self._fields[place]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
         supports = problem.dofs.reactions(supports) - fields.spring_forces
-        parts = {"loads": loads, "contact": contact, "supports": supports}
-        return {name: problem.dofs.resultant(forces) for name, forces in parts.items()}
+        return {"loads": loads, "contact": contact, "supports": supports}
 
     @cached_property
     def imbalance(self) -> float:
-        """The largest force on a body that nothing balances, relative to the largest force at work."""
-        sums, largest = [], 0.0
-        for body in self.scene.bodies:
-            forces = self.forces(body)
-            sums.append(np.linalg.norm(sum(forces.values())))
-            largest = max(largest, *(float(np.linalg.norm(force)) for force in forces.values()))
-        return float(max(sums) / largest) if largest > 0.0 else 0.0
+        """The largest resultant on a body that nothing balances, relative to the largest force at work on one.
+
+        A force at work is the sum of the magnitudes of its nodal forces: where it balances itself, as in a press fit,
+        its resultant is rounding.
+        """
+        sums, sizes = [0.0], [0.0]
+        for place, body in enumerate(self.scene.bodies):
+            forces, resultant = self._nodal_forces(place).values(), self._ensemble.problems[place].dofs.resultant
+            sums.append(float(np.linalg.norm(resultant(sum(forces)))))
+            for force in forces:
+                vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
+                sizes.append(float(np.linalg.norm(vectors, axis=1).sum()))
+        largest = float(np.max(sizes))  # not a number where one of them is
+        return float(np.max(sums)) / largest if largest != 0.0 else 0.0
 
     @cached_property
     def residual(self) -> float:
-        """‖F₁'(u)‖ over all free displacements relative to the loads and contact forces, found from the fields anew."""
-        total = scale = 0.0
+        """‖F₁'(u)‖ over all free displacements relative to the forces at work there, found from the fields anew.
+
+        The forces at work are those that `solve` compares with, √(‖loads‖² + ‖contact forces‖²); where nothing is at
+        work at all, ‖F₁'(u)‖ itself is returned.
+        """
+        total = contacts = 0.0
         for place, problem in enumerate(self._ensemble.problems):
             contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
             total += float(np.sum(problem.dofs.free_forces(problem.dofs.load + contact - elastic) ** 2))
-            scale += float(problem.dofs.load @ problem.dofs.load + contact @ contact)
-        return float(np.sqrt(total / scale)) if scale > 0.0 else float(np.sqrt(total))
+            contacts += float(np.sum(problem.dofs.free_forces(contact) ** 2))
+        scale = self._ensemble.at_work(float(np.sqrt(contacts)))
+        return float(np.sqrt(total)) / scale if scale != 0.0 else float(np.sqrt(total))
 
     def normal_stiffness(self, contact: str | int | Contact = 0) -> float:
         """The normal stiffness dF/dδ of a contact and its bodies, from the tangent (17) (force / length).
 
         F is the contact force, δ by how much what holds the bodies comes together, which is to say by how much the gap
         d shrinks everywhere; all loads stay. So it is that of the layer and of the bodies in series; zero where loads
-        alone fix the force. Raises LooseBodyError where the closed contacts leave a body free. On several ranks all
-        have to call it.
+        alone fix the force. On several ranks all have to call it.
+
+        Args:
+            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+
+        Raises:
+            LooseBodyError: where the closed contacts leave a body free.
         """
         from .iteration.closing_stiffness import closing_stiffness
 
@@ -253,7 +321,10 @@ class Solution:
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
         """A matplotlib figure of pressure and gap along a contact, in space of a map of it.
 
-        Options: `along`, `show`, `path`, `stress_unit`, `length_unit`, see `view.contact_plot.plot_contact`.
+        Args:
+            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+            options: `along`, `about`, `show`, `path`, `stress_unit`, `length_unit`, see
+                `view.contact_plot.plot_contact`.
         """
         from .view.contact_plot import plot_contact
 
@@ -264,8 +335,10 @@ class Solution:
     def plot_bodies(self, bodies: Sequence[str | Body] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, or of some, coloured by a stress.
 
-        Options: `component`, `scale`, `limits`, `camera`, `zoom`, `edges`, `undeformed`, `unit`, `path`, `size`,
-        `title`, see `view.body_plot.plot_bodies`.
+        Args:
+            bodies: which, by their names or the bodies themselves; by default all that have a mesh.
+            options: `component`, `scale`, `limits`, `camera`, `zoom`, `edges`, `undeformed`, `sweep`, `unit`, `path`,
+                `size`, `title`, see `view.body_plot.plot_bodies`.
         """
         from .view.body_plot import plot_bodies
 
@@ -286,6 +359,9 @@ class Solution:
         the nodes, where neighbouring cells' stresses are averaged, and each cell's mean. Of each contact one of its
         points, with the pressures and gaps of `contact`, and one of each surface's facets, with those of
         `contact_surface`; these also as text in contacts.xdmf. On several ranks all have to call it; the first writes.
+
+        Args:
+            folder: where; files of the same names in it are replaced.
         """
         from .view.export import export
 
@@ -295,6 +371,9 @@ class Solution:
         """The folder that the solution was saved in as plain data, to be read by `load_solution` without the scene.
 
         On several ranks all have to call it; the first writes.
+
+        Args:
+            folder: where; it is made if missing, and an earlier solution in it is replaced.
         """
         from .saved import save
 

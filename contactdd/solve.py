@@ -8,7 +8,9 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from functools import wraps
 from pathlib import Path
+from typing import ParamSpec
 
 import numpy as np
 
@@ -30,6 +32,7 @@ from .system.ensemble import Ensemble
 from .system.likeness import refuse_differences
 
 Gamma = float | Iterable[float] | Callable[[int], float] | str
+P = ParamSpec("P")
 
 
 #: γ of the decomposed methods if nothing is said: the paper's best.
@@ -39,6 +42,23 @@ BEST_GAMMA = 0.6
 DOUBTFUL = 0.1
 
 
+def _by_all_ranks(function: Callable[P, Solution]) -> Callable[P, Solution]:
+    """The same function of a scene, in which an error or Ctrl-C of one rank ends all."""
+
+    @wraps(function)
+    def together(*arguments: P.args, **options: P.kwargs) -> Solution:
+        scene = arguments[0] if arguments else options.get("scene")
+        if not isinstance(scene, Scene):
+            raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
+        if scene.ranks.alone:
+            return function(*arguments, **options)
+        with scene.ranks.together(), interrupts_agreed(scene.ranks):
+            return function(*arguments, **options)
+
+    return together
+
+
+@_by_all_ranks
 def solve(
     scene: Scene,
     method: str | Scheme = "auto",
@@ -89,60 +109,49 @@ def solve(
     Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
     CheckpointError for a checkpoint that is damaged or of another run.
     """
-    if not isinstance(scene, Scene):
-        raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
     ranks = scene.ranks
-    with ranks.together(), interrupts_agreed(ranks):
-        scheme = find_scheme(method)
-        check_choice("on_failure", on_failure, ("raise", "return"))
-        relaxation = _relaxation(gamma, scheme)
-        rule = _rule(tolerance, criterion, max_iterations, scheme)
-        file, every = _file(checkpoint, as_bool("resume", resume)), positive("checkpoint_every", checkpoint_every)
-        seconds = math.inf if time_limit is None else positive("time_limit", time_limit)
-        _check_start(start, previous)
-        if callback is not None and not callable(callback):
-            raise TypeError(f"callback = {callback!r}: expected a function of a record")
-        shown = None if progress is None else as_bool("progress", progress)
-        if not ranks.alone:
-            given = {
-                "gamma": gamma,
-                "start": "solution" if isinstance(start, Solution) else start,
-                "previous": previous,
-            }
-            limits = {
-                "time_limit": time_limit,
-                "on_failure": on_failure,
-                "resume": resume,
-                "local_solver": local_solver,
-            }
-            asked = {"method": f"{scheme.name}, {scheme.step}", "tolerance": tolerance, "criterion": criterion}
-            refuse_differences(scene, asked | {"max_iterations": max_iterations} | given | limits)
-        ensemble = Ensemble(scene.local_problems(local_solver), scene.interfaces)
-        if resume and ranks.once(file.exists):
-            earlier = read(file, ensemble, scheme.name, ranks)
-        else:
-            earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
-        run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
-        keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
-        with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
-            deadline = time.monotonic() + seconds
+    scheme = find_scheme(method)
+    check_choice("on_failure", on_failure, ("raise", "return"))
+    relaxation = _relaxation(gamma, scheme)
+    rule = _rule(tolerance, criterion, max_iterations, scheme)
+    file, every = _file(checkpoint, as_bool("resume", resume)), positive("checkpoint_every", checkpoint_every)
+    seconds = math.inf if time_limit is None else positive("time_limit", time_limit)
+    _check_start(start, previous)
+    if callback is not None and not callable(callback):
+        raise TypeError(f"callback = {callback!r}: expected a function of a record")
+    shown = None if progress is None else as_bool("progress", progress)
+    if not ranks.alone:
+        given = {"gamma": gamma, "start": "solution" if isinstance(start, Solution) else start, "previous": previous}
+        limits = {"tolerance": tolerance, "criterion": criterion, "max_iterations": max_iterations}
+        ends = {"time_limit": time_limit, "on_failure": on_failure, "resume": resume}
+        way = {"method": f"{scheme.name}, {scheme.step}", "local_solver": local_solver}
+        refuse_differences(scene, way | given | limits | ends)
+    ensemble = Ensemble(scene.local_problems(local_solver), scene.interfaces)
+    if resume and ranks.once(file.exists):
+        earlier = read(file, ensemble, scheme.name, ranks)
+    else:
+        earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
+    run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
+    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
+    with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
+        deadline = time.monotonic() + seconds
 
-            def observe(record: Record) -> bool:
-                bar.update(record)
-                keeper.update()
-                return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
+        def observe(record: Record) -> bool:
+            bar.update(record)
+            keeper.update()
+            return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
-            ending = run.iterate(relaxation, rule, observe)
-        solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
-        _warn_of_facets(solution)
-        _warn_of_notes(solution)
-        if on_failure == "raise" and ending.status not in ("converged", "stopped"):
-            if ending.escape is not None:
-                raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution)
-            raise NotConvergedError(ending.status, ending.reason, solution)
-        if solution.converged:
-            solution.warn_of_large_strains()
-        return solution
+        ending = run.iterate(relaxation, rule, observe)
+    solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
+    _warn_of_facets(solution)
+    _warn_of_notes(solution)
+    if on_failure == "raise" and ending.status not in ("converged", "stopped"):
+        if ending.escape is not None:
+            raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution, ending.escape.advice)
+        raise NotConvergedError(ending.status, ending.reason, solution)
+    if solution.converged:
+        solution.warn_of_large_strains()
+    return solution
 
 
 def _warn_of_facets(solution: Solution) -> None:

@@ -1,176 +1,178 @@
-"""The paper's problem: two rectangles, one with a groove, pressed together through a nonlinear layer.
+# %% [markdown]
+# # The groove: two blocks, a nonlinear layer, and the paper's Table 1
+#
+# Two equal rectangles of steel, each of height $h = 1$ cm and length $l = 4$ cm,
+# lie one on the other in plane strain. Pressures of $q = 10$ MPa on the outer faces
+# press them together. The lower one has a shallow groove in its top,
+#
+# $$d(x) = r_0 \left\{\left[1 - (x_1/b)^2\right]^+\right\}^{3/2},
+#   \qquad b = 1\ \mathrm{cm},\quad r_0 = 5 \cdot 10^{-4}\,b ,$$
+#
+# of which the right half is modelled: the sides are planes of symmetry, $u_n = 0$
+# without shear. No other support holds the bodies; both float, and only their
+# contact keeps them apart.
+#
+# ## What happens in the contact
+#
+# Both faces carry a thin layer, a coating or a rough surface, that is compressed by
+# $w \le 0$ under the normal stress
+#
+# $$\sigma_n = g(w) = B^{-1/a}\,\mathrm{sgn}(w)\,|w|^{1/a},
+#   \qquad B = 4 \cdot 10^{-6}\ \mathrm{cm/MPa}^a,\quad a = 1.1 .$$
+#
+# The displacements along the outward normals, $u_{1n}$ and $u_{2n}$, leave the
+# deformed gap $z = d - u_{1n} - u_{2n}$. The contact is frictionless and
+# unilateral: $\sigma_n = g(z)$ where $z < 0$, and zero where the gap is open. So
+# neither the edge of the contact nor the pressure is known beforehand. Of all
+# displacements the right ones minimise the energy
+#
+# $$F_1(u) = \tfrac12 A(u, u) - L(u) + \int_{S_{12}} \int_0^{z(u)} g^-(s)\, ds\, dS, \qquad g^-(z) = g(\min(z, 0)),$$
+#
+# which is convex: there is one solution but for the common vertical motion, which
+# nothing resists.
 
-Reproduces Table 1 and Fig. 3 of the paper (iterations against the relaxation γ for its three methods) on its mesh,
-and compares the contact pressure with the semi-analytic reference.
-"""
-
-from __future__ import annotations
-
+# %%
 import csv
 import time
 
 import numpy as np
-from matplotlib.figure import Figure
-from report import Report
+from studies import table_1
+from studies.results import Report
 
 import contactdd as cd
 
-# The paper's data: lengths in cm, stresses in MPa.
+report = Report("groove", "the paper's groove: Table 1, Fig. 3, and the contact beside the semi-analytic reference")
+
+# %% [markdown]
+# ## The scene
+#
+# Lengths in cm, stresses in MPa. Each mesh has 32 × 16 cells, each cut in two, so
+# 32 facets along $S_{12}$; the upper mesh mirrors the lower. A body is a mesh, a
+# material, supports and loads; its surfaces have names. A contact is two named
+# surfaces, a layer and a gap. `quadrature` says where on a facet the law $g$ is
+# evaluated: at Gauss points, or at the ends of the facets ("vertex"), which
+# reproduces the paper's table.
+
+# %%
 LENGTH, HEIGHT, GROOVE, DEPTH, LOAD = 4.0, 1.0, 1.0, 5e-4, 10.0
-STEEL = cd.Isotropic(E=2.1e5, nu=0.3)
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
-
-METHODS = {"I": "one-point", "II": "chord", "III": "kurchatov"}
-PAPER = {  # γ: iterations of I, II, III; None where the method does not converge
-    0.02: (108, 108, 109),
-    0.05: (59, 59, 59),
-    0.1: (35, 35, 35),
-    0.2: (20, 20, 20),
-    0.3: (14, 14, 14),
-    0.4: (11, 11, 11),
-    0.5: (9, 9, 9),
-    0.6: (7, 7, 7),
-    0.6205: (8, 7, 8),
-    0.6206: (None, 7, 8),
-    0.7: (None, 9, 15),
-    0.75: (None, 12, 42),
-    0.76: (None, 12, 134),
-    0.761: (None, 12, None),
-    0.8: (None, 15, None),
-    0.9: (None, 30, None),
-    0.95: (None, 62, None),
-    0.98: (None, 158, None),
-    0.99: (None, 318, None),
-    0.995: (None, 638, None),
-    0.999: (None, 3198, None),
-    1.0: (None, None, None),
-}
+steel, layer = cd.Isotropic(E=2.1e5, nu=0.3), cd.PowerLayer(B=4e-6, a=1.1)
+sides = [cd.Symmetry("left", "right")]
+lower_mesh = cd.rectangle((0, 0), (LENGTH, HEIGHT), (32, 16))
+upper_mesh = cd.rectangle((0, HEIGHT), (LENGTH, 2 * HEIGHT), (32, 16), diagonal="left")
+lower = cd.Body("lower", lower_mesh, steel, supports=sides, loads=[cd.Pressure("bottom", LOAD)])
+upper = cd.Body("upper", upper_mesh, steel, supports=sides, loads=[cd.Pressure("top", LOAD)])
 
 
-def gap(x: np.ndarray) -> np.ndarray:
-    """d(x): the groove's depth."""
+def depth(x):
+    """d(x) of the groove at the coordinates x (2, n)."""
     return DEPTH * np.maximum(1 - (x[0] / GROOVE) ** 2, 0) ** 1.5
 
 
-def scene(quadrature: str = "gauss", degree: int = 1, refine: int = 1) -> cd.Scene:
-    """Both bodies on the paper's 32 × 16 grid (times `refine`); the upper mesh mirrors the lower."""
-    cells = (32 * refine, 16 * refine)
-    sides = [cd.Symmetry("left", "right")]
-    lower_mesh = cd.rectangle((0, 0), (LENGTH, HEIGHT), cells)
-    upper_mesh = cd.rectangle((0, HEIGHT), (LENGTH, 2 * HEIGHT), cells, diagonal="left")
-    lower = cd.Body("lower", lower_mesh, STEEL, supports=sides, loads=[cd.Pressure("bottom", LOAD)], degree=degree)
-    upper = cd.Body("upper", upper_mesh, STEEL, supports=sides, loads=[cd.Pressure("top", LOAD)], degree=degree)
-    return cd.Scene(
-        [lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER, gap=gap, quadrature=quadrature)]
-    )
+def touching(quadrature):
+    """Both bodies in contact, the layer's law evaluated at the points of that rule."""
+    contact = cd.Contact((lower, "top"), (upper, "bottom"), layer, gap=depth, quadrature=quadrature)
+    return cd.Scene([lower, upper], [contact])
 
 
-def paper_run(of: cd.Scene, method: str, gamma: float) -> cd.Solution:
-    """One run with the paper's start values and stopping rule."""
-    return cd.solve(
-        of, method, gamma=gamma, criterion="change", tolerance=1e-3, start=1e-4, previous=2e-4, on_failure="return"
-    )
+# %% [markdown]
+# ## The methods of the paper
+#
+# A step of each method solves, for either body on its own, a linear problem of
+# elasticity with a Robin term,
+#
+# $$a_\alpha(\tilde u_\alpha, v) + \int \varphi\,\tilde u_{\alpha n} v_n
+#   = l_\alpha(v) + \int \left(\varphi\,u^k_{\alpha n} + g^-(z^k)\right) v_n ,
+#   \qquad u^{k+1} = \gamma\,\tilde u + (1-\gamma)\,u^k .$$
+#
+# Method I, one-point, takes for $\varphi$ the derivative $g'(z^k)$ where the gap is
+# closed; II, chord, the divided difference of $g^-$ between the last two iterates;
+# III, Kurchatov's, the one between $2z^k - z^{k-1}$ and $z^{k-1}$. The number of
+# iterations depends on the relaxation $\gamma$. Table 1 of the paper counts them,
+# from $u^0_n = 10^{-4}\,b$ to the relative change $10^{-3}$; here it is again, all
+# 66 runs. Up to $\gamma = 0.6$ the three are alike. Beyond, the first ends at once,
+# as the whole contact opens; the third soon; the chord method goes on to 0.999.
+# With $\gamma = 1$ it fails too: each body sees $\varphi$ where the coupled problem
+# has the sum of both sides.
 
+# %%
+began = time.process_time()
+rows = table_1.table(touching("vertex"))
+seconds = time.process_time() - began
+table_1.print_table(rows)
+print(f"\nall {len(rows) * len(table_1.METHODS)} runs: {seconds:.2f} s CPU")
+table_1.draw_iterations(rows, report.path("iterations.png"))
+with open(report.path("table.csv"), "w", newline="") as file:
+    writer = csv.DictWriter(file, ["gamma", *table_1.METHODS])
+    writer.writeheader()
+    writer.writerows(rows)
 
-def table(of: cd.Scene) -> list[dict[str, float | int | None]]:
-    """Table 1: the iterations for every γ and method, None where the run does not converge."""
-    rows: list[dict[str, float | int | None]] = []
-    for gamma in PAPER:
-        runs = {column: paper_run(of, method, gamma) for column, method in METHODS.items()}
-        rows.append({"gamma": gamma} | {c: run.iterations if run.converged else None for c, run in runs.items()})
-    return rows
+# %% [markdown]
+# ## The solution
+#
+# Who only wants the answer lets `solve` choose: Newton's method with an exact line
+# search on $F_1$, which needs no $\gamma$ and goes on until the unbalanced forces
+# are $10^{-10}$ of those at work.
 
+# %%
+scene = touching("gauss")
+solution = cd.solve(scene)
+print(f"\n{solution}\n")
 
-def print_table(rows: list[dict[str, float | int | None]]) -> None:
-    print("Table 1: iterations (the paper's in brackets)\n\n   gamma            I           II          III")
-    for row in rows:
-        paper = PAPER[row["gamma"]]
-        cells = [f"{_dash(row[c]):>5} ({_dash(p):>4})" for c, p in zip(METHODS, paper, strict=True)]
-        print(f"{row['gamma']:>8} " + " ".join(cells))
+# %% [markdown]
+# ## The contact beside a known answer
+#
+# For two equal rectangles the closing of the contact faces is a cosine series along
+# $S_{12}$, whose coefficients `cd.reference.groove()` finds to many digits. The
+# pressure peaks just inside the groove's rim, at $x \approx 0.985$, where the faces
+# bend to close it; the contact ends at $x \approx 0.51$. Linear triangles of this
+# size find $p(x)$ to about a percent in the $L_2$ norm.
 
+# %%
+exact = cd.reference.groove()
+result = solution.contact(degree=16)  # at points enough to see the pressure between the nodes too
+order = np.argsort(result.x[:, 0])
+x, z, p, weights = (values[order] for values in (result.x[:, 0], result.gap, result.pressure, result.weights))
+first = int(np.argmax(z < 0))  # the gap changes its sign between this point and the one before
+peak = int(np.argmax(p))
+numbers = {
+    "peak_pressure": float(p[peak]),
+    "peak_x": float(x[peak]),
+    "contact_edge": float(np.interp(0.0, -z[first - 1 : first + 1], x[first - 1 : first + 1])),
+    "error_l2": float(np.sqrt(weights @ (p - exact.pressure(x)) ** 2 / (weights @ exact.pressure(x) ** 2))),
+}
+print(f"peak pressure   {numbers['peak_pressure']:10.5f} at x = {numbers['peak_x']:.5f}")
+print(f"   reference    {exact.peak_pressure:10.5f} at x = {exact.peak_x:.5f}")
+print(f"edge of contact {numbers['contact_edge']:10.5f}, reference {exact.contact_edge:.5f}")
+print(f"relative L2 error of p(x): {numbers['error_l2']:.2e}")
 
-def contact_edge(result: cd.ContactResult) -> float:
-    """Where the gap changes its sign, between the points of the contact."""
-    order = np.argsort(result.x[:, 0])
-    x, z = result.x[order, 0], result.gap[order]
-    first = int(np.argmax(z < 0))
-    return float(x[first - 1] - z[first - 1] * (x[first] - x[first - 1]) / (z[first] - z[first - 1]))
+# %% [markdown]
+# ## Pictures
+#
+# Iterations against $\gamma$, Fig. 3 of the paper, have been drawn above. Here are
+# pressure and gap along the contact, with the reference dashed, and the blocks with
+# their displacements enlarged, coloured by the vertical stress. Over the open
+# groove the blocks carry nothing and bulge towards each other.
 
+# %%
+figure = solution.plot_contact()
+points = np.linspace(0.0, LENGTH, 801)
+for axes, values in zip(figure.axes, (exact.pressure(points), exact.gap(points)), strict=True):
+    axes.plot(points, values, "k--", linewidth=0.9, label="reference")
+figure.axes[0].legend(frameon=False)
+figure.savefig(report.path("contact.png"), dpi=150)
+solution.plot_bodies(component="yy", path=report.path("bodies.png"))
+report.summary({"table": rows} | numbers | {"cpu_seconds": seconds})
 
-def pressure_error(solution: cd.Solution) -> float:
-    """The relative L2 error of p(x), with Gauss points enough for the pressure between the nodes."""
-    result = solution.contact(degree=16)
-    exact = cd.reference.groove().pressure(result.x[:, 0])
-    return float(np.sqrt(result.weights @ (result.pressure - exact) ** 2 / (result.weights @ exact**2)))
+# %% [markdown]
+# ## What must hold
+#
+# The contact carries the whole load, $\int p\, dS = q\,l$, to the residual. Where
+# the pressure is positive the gap is closed, and nowhere does a surface pull. At
+# the paper's best $\gamma$ each method needs as many iterations as there: seven.
 
-
-def draw_iterations(rows: list[dict[str, float | int | None]], path: str) -> None:
-    """Fig. 3: iterations against γ."""
-    figure = Figure(figsize=(7, 4.6), layout="constrained")
-    axes = figure.subplots()
-    # The methods agree up to γ = 0.6: the first is drawn large and hollow, so that all can be seen there.
-    styles = (
-        {"marker": "o", "markersize": 10, "mfc": "none"},
-        {"marker": "s", "markersize": 5},
-        {"marker": "^", "ms": 3},
-    )
-    for (column, method), style in zip(METHODS.items(), styles, strict=True):
-        points = [(row["gamma"], row[column]) for row in rows if row[column] is not None]
-        axes.semilogy(*zip(*points, strict=True), label=f"{column}: {method}", **style)
-    axes.set_xlabel("relaxation γ")
-    axes.set_ylabel("iterations m")
-    axes.legend(frameon=False)
-    axes.grid(alpha=0.3)
-    figure.savefig(path, dpi=150)
-
-
-def draw_contact(solution: cd.Solution, path: str) -> None:
-    """Pressure and gap along S₁₂ with the reference."""
-    figure = solution.plot_contact()
-    x = np.linspace(0.0, LENGTH, 801)
-    exact = cd.reference.groove()
-    for axes, values in zip(figure.axes, (exact.pressure(x), exact.gap(x)), strict=True):
-        axes.plot(x, values, "k--", linewidth=0.9, label="reference")
-    figure.axes[0].legend(frameon=False)
-    figure.savefig(path, dpi=150)
-
-
-def main(arguments: list[str] | None = None) -> None:
-    report = Report(__file__, __doc__, arguments)
-    began = time.process_time()
-    rows = table(scene("vertex"))
-    seconds = time.process_time() - began
-    print_table(rows)
-    print(f"\nall {len(rows) * len(METHODS)} runs: {seconds:.2f} s CPU")
-    with open(report.path("table.csv"), "w", newline="") as file:
-        writer = csv.DictWriter(file, ["gamma", *METHODS])
-        writer.writeheader()
-        writer.writerows(rows)
-
-    solution = cd.solve(scene(), "newton", gamma="search", tolerance=1e-10)
-    result = solution.contact(degree=16)
-    exact = cd.reference.groove()
-    peak = int(np.argmax(result.pressure))
-    numbers = {
-        "peak_pressure": float(result.pressure[peak]),
-        "peak_x": float(result.x[peak, 0]),
-        "contact_edge": contact_edge(result),
-        "error_l2": pressure_error(solution),
-    }
-    print(f"\n{solution}\n")
-    print(f"peak pressure   {numbers['peak_pressure']:10.5f} at x = {numbers['peak_x']:.5f}")
-    print(f"   reference    {exact.peak_pressure:10.5f} at x = {exact.peak_x:.5f}")
-    print(f"edge of contact {numbers['contact_edge']:10.5f}, reference {exact.contact_edge:.5f}")
-    print(f"relative L2 error of p(x): {numbers['error_l2']:.2e}")
-    draw_iterations(rows, report.path("iterations.png"))
-    draw_contact(solution, report.path("contact.png"))
-    solution.plot_bodies(component="yy", path=report.path("bodies.png"))
-    report.summary({"table": rows} | numbers | {"cpu_seconds": seconds})
-
-
-def _dash(count: float | int | None) -> str:
-    return "–" if count is None else str(count)
-
-
-if __name__ == "__main__":
-    main()
+# %%
+assert abs(solution.contact().force / (LOAD * LENGTH) - 1) < 1e-8
+assert np.all(p >= 0)
+assert np.all(p[z >= 0] == 0)
+assert all(row[column] == 7 for row in rows if row["gamma"] == 0.6 for column in table_1.METHODS)
+assert numbers["error_l2"] < 1.6e-2

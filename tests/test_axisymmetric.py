@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scenes import LAYER, STEEL
 
 import contactdd as cd
 
-STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 Q = 10.0
 
 

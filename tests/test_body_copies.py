@@ -6,13 +6,13 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scenes import LAYER, STEEL
 
 import contactdd as cd
 from contactdd.local.choose import LocalSolvers
 from contactdd.local.condensation import MirroredCondensation
 from contactdd.local.copies import originals, signs_between
 
-STEEL = cd.Isotropic(2.1e5, 0.3)
 #: Its axes are turned, so that the mirror image is another material.
 WOOD = cd.Orthotropic(11e3, 0.9e3, 0.5e3, 0.4, 0.45, 0.5, 0.7e3, 0.6e3, 0.06e3).rotated(0.5)
 
@@ -50,10 +50,9 @@ def stack(shape: str, degree: int, load: object = 10.0, material: object = STEEL
         )
         for place, mesh in enumerate(meshes)
     ]
-    layer = cd.PowerLayer(B=4e-6, a=1.1)
     facing = [("top", "top"), ("bottom", "bottom"), ("top", "top")]
     contacts = [
-        cd.Contact((a, s), (b, t), layer, gap=groove, name=f"{a.name}, {b.name}")
+        cd.Contact((a, s), (b, t), LAYER, gap=groove, name=f"{a.name}, {b.name}")
         for (a, b), (s, t) in zip(pairwise(bodies), facing, strict=True)
     ]
     return cd.Scene(bodies, contacts)
@@ -144,9 +143,7 @@ def test_rotations_of_a_mirror_image():
         mesh = block("hexahedron")
         lower = cd.Body("lower", mesh, STEEL, loads=[cd.Pressure("bottom", 10.0)])
         upper = cd.Body("upper", mesh.mirrored("z", 1.0), STEEL, loads=[cd.Pressure("bottom", 10.0)])
-        return cd.Scene(
-            [lower, upper], [cd.Contact((lower, "top"), (upper, "top"), cd.PowerLayer(4e-6, 1.1), gap=groove)]
-        )
+        return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "top"), LAYER, gap=groove)])
 
     shared, expected = cd.solve(scene()), cd.solve(alone(scene()))
     for name in ("lower", "upper"):

@@ -10,9 +10,9 @@ import sys
 import time
 from pathlib import Path
 
-import groove
 import numpy as np
 import pytest
+import scenes
 
 import contactdd as cd
 
@@ -21,7 +21,7 @@ ROOT = Path(__file__).parents[1]
 
 @pytest.fixture(scope="module")
 def scene():
-    return groove.scene("vertex")
+    return scenes.paper("vertex")
 
 
 @pytest.mark.parametrize("method", ["chord", "kurchatov", "anderson", "auto", "newton-krylov"])
@@ -65,11 +65,11 @@ def test_killed_process(scene, tmp_path, ending):
     """A process that is really killed in the middle of a run that never ends."""
     file = tmp_path / "state.npz"
     code = f"""import sys
-sys.path.insert(0, {str(ROOT / "demos")!r})
-import signal, time, groove, contactdd as cd
+sys.path.insert(0, {str(ROOT / "tests")!r})
+import signal, time, scenes, contactdd as cd
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell that starts something behind itself has it ignored
 slowly = lambda record: time.sleep(0.1)
-cd.solve(groove.scene("vertex"), "chord", gamma=1e-3, checkpoint={str(file)!r}, checkpoint_every=0.2, callback=slowly)
+cd.solve(scenes.paper("vertex"), "chord", gamma=1e-3, checkpoint={str(file)!r}, checkpoint_every=0.2, callback=slowly)
 """
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
     process = subprocess.Popen([sys.executable, "-c", code], env=env, stderr=subprocess.DEVNULL)
@@ -108,7 +108,7 @@ def test_damaged_and_foreign_files_are_refused(scene, tmp_path):
     with pytest.raises(cd.CheckpointError, match="method is 'chord', expected 'kurchatov'"):
         cd.solve(scene, "kurchatov", checkpoint=file, resume=True)
     with pytest.raises(cd.CheckpointError, match="bodies is"):
-        cd.solve(groove.scene("gauss", refine=2), "chord", checkpoint=file, resume=True)
+        cd.solve(scenes.paper("gauss", refine=2), "chord", checkpoint=file, resume=True)
 
 
 def test_nothing_is_executed(scene, tmp_path):

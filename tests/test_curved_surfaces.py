@@ -177,15 +177,18 @@ def test_shapes_of_the_size_of_a_facet_are_not_smoothed_away(shape):
     assert np.abs(interface.x[:, 1] - NOTCH[shape](interface.x[:, 0])).max() < 1e-12
 
 
-def test_a_rough_profile_stays_as_it_is_meshed():
-    """Heights by chance explain no curve: hardly a facet is touched, and none by more than its roughness."""
-    heights = 0.01 * np.random.default_rng(3).standard_normal(201)
+@pytest.mark.parametrize("size", [1e-2, 3e-3, 1e-4])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_rough_profile_stays_as_it_is_meshed(size, seed):
+    """Heights by chance, as large as the facets or a hundredth of that, explain no curve: a few facets look like one by
+    chance (1 % of the fits), and none is moved by more than its roughness."""
+    heights = size * np.random.default_rng(seed).standard_normal(201)
     nodes = np.linspace(0, 2, 201)
     rough = lambda x: np.interp(x, nodes, heights)  # noqa: E731
     interface = measured_gap(rough, lambda x: 0 * x + 0.2, (200, 3))
     off = np.abs(interface.x[:, 1] - rough(interface.x[:, 0]))
-    assert np.mean(off > 1e-12) < 0.05
-    assert off.max() < 0.01
+    assert np.mean(off > 1e-12) < 0.07
+    assert off.max() < size
 
 
 def test_beside_a_crease_the_curve_is_seen_from_one_side():
@@ -321,7 +324,7 @@ def test_a_turned_cylinder_has_the_same_normals_and_patches():
 
 
 @pytest.mark.parametrize(
-    ("shape", "cells", "tolerance"), [("quadrilateral", (24, 34), 0.02), ("quadrilateral", (48, 68), 0.01)]
+    ("shape", "cells", "tolerance"), [("quadrilateral", (24, 34), 2e-3), ("quadrilateral", (48, 68), 1e-3)]
 )
 def test_two_rings_under_a_pressure_that_varies(shape, cells, tolerance):
     """code_aster's SSNP167 with a layer between: outside 1e7 + 1e5 cos 2θ, plane strain, k = 1e9: 6.11413e6 +
@@ -347,7 +350,7 @@ def test_two_rings_under_a_pressure_that_varies(shape, cells, tolerance):
     mean = result.force / result.weights.sum()
     amplitude = 2 * (result.weights * result.pressure) @ np.cos(double) / result.weights.sum()
     assert mean == pytest.approx(6.11413e6, rel=tolerance)
-    assert amplitude == pytest.approx(121967, rel=5 * tolerance)
+    assert amplitude == pytest.approx(121967, rel=tolerance)
 
 
 def _wavering(x):

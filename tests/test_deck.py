@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import doctest
 import itertools
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from dolfinx import fem
 
 import contactdd as cd
 from contactdd.base.facets import facet_nodes
+from contactdd.files import read
 
 STEEL = cd.Isotropic(2.1e5, 0.3)
 
@@ -209,6 +211,62 @@ def test_a_column_from_a_deck_in_equilibrium(tmp_path):
     assert contact.force == pytest.approx(p, rel=1e-9)
 
 
+def rings(*spans: tuple[float, float], cells: int, height: float) -> str:
+    """Rings r0 < r < r1 of CAX8: element sets RING1, ... with surfaces I1 (inside), O1 (outside) and FOOT1, ..."""
+    nodes, elements, faces = [], [], []
+    for number, (r0, r1) in enumerate(spans, 1):
+        first, side = 1000 * number, 2 * cells + 1
+        at = lambda i, j, first=first: first + 3 * i + j  # noqa: E731
+        nodes += [
+            (at(i, j), r0 + (r1 - r0) * i / (side - 1), height * j / 2)
+            for i in range(side)
+            for j in range(3)
+            if not i * j % 2
+        ]
+        places = ((0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1))
+        elements.append(
+            f"*ELEMENT, TYPE=CAX8, ELSET=RING{number}\n"
+            + table((first + i, *(at(2 * i + a, b) for a, b in places)) for i in range(cells))
+        )
+        faces.append(f"*SURFACE, NAME=I{number}\n{first}, S4\n*SURFACE, NAME=O{number}\n{first + cells - 1}, S2")
+        faces.append(f"*SURFACE, NAME=FOOT{number}\nRING{number}, S1")
+    return "\n".join([f"*NODE\n{table(nodes)}", *elements, *faces, ""])
+
+
+def test_press_fit_of_rings_from_a_deck(tmp_path):
+    """Two rings that overlap by δ on a layer of stiffness k, free axially: Lamé's p = δ / (c_i + c_o + 1/k), where
+    c = R/E ((a² + b²)/|b² − a²| ± ν); and CalculiX' displacements of the same rings (its test ring2)."""
+    E, nu, k = 2.1e5, 0.3, 1e7
+    path = written(tmp_path, rings((0.9501, 1.0501), (1.05, 1.15), cells=10, height=0.1))
+    bodies = [
+        cd.Body(
+            name,
+            cd.read_mesh(path, name.upper()),
+            cd.Isotropic(E, nu),
+            degree=2,
+            kinematics="axisymmetric",
+            supports=[cd.Symmetry(f"FOOT{name[-1]}")],
+        )
+        for name in ("ring1", "ring2")
+    ]
+    inner, outer = bodies
+    solution = cd.solve(cd.Scene(bodies, [cd.Contact((inner, "O1"), (outer, "I2"), cd.LinearLayer(k))]))
+
+    def compliance(radius: float, other: float, sign: float) -> float:
+        squares = radius**2, other**2
+        return radius / E * (sum(squares) / abs(squares[1] - squares[0]) + sign * nu)
+
+    p = 1e-4 / (compliance(1.0501, 0.9501, -1.0) + compliance(1.05, 1.15, 1.0) + 1 / k)
+    # The pressure acts at 1.0501 on one ring and at 1.05 on the other, which the formula does not tell apart.
+    assert solution.contact().pressure == pytest.approx(p, rel=2e-4)
+    places = {"ring1": [1.0501, 0.9501], "ring2": [1.05, 1.15]}
+    calculix = {"ring1": [-4.615912e-5, -4.734676e-5], "ring2": [5.373072e-5, 5.209029e-5]}
+    for name, radii in places.items():
+        u = solution.displacement_at(name, [(r, 0.05) for r in radii])[:, 0]
+        # Its contact is between nodes and faces, of large displacements: the strains of 5e-5 are that order off.
+        assert u == pytest.approx(calculix[name], rel=1e-3)
+
+
 def test_two_pieces_in_one_set_are_taken_apart(tmp_path):
     path = written(tmp_path, two_blocks())
     whole = cd.read_mesh(path)
@@ -281,6 +339,10 @@ def test_elements_over_several_lines_and_with_more_nodes_than_needed(tmp_path):
     assert len(curved.domain.geometry.x) == 27
     assert len(straight.domain.geometry.x) == 8
     assert [volume(curved), volume(straight)] == pytest.approx([1, 1])
+
+
+def test_the_example():
+    assert doctest.testmod(read).failed == 0
 
 
 def test_parameters_are_for_scripts(tmp_path):

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
-
-import anisotropic
 import pytest
+from test_demos import run
 
 # Two meshes that are mirror images to rounding, Newton to 1e-11 of the forces.
 MIRROR = 1e-9
@@ -13,14 +11,12 @@ MIRROR = 1e-9
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
-    path = tmp_path_factory.mktemp("anisotropic")
-    anisotropic.main(["--out", str(path)])
-    return path
+    return tmp_path_factory.mktemp("anisotropic")
 
 
 @pytest.fixture(scope="module")
 def summary(folder):
-    return json.loads((folder / "summary.json").read_text())
+    return run("anisotropic", folder)
 
 
 def test_fibres_alone_make_the_pressure_lean(summary):
@@ -44,6 +40,6 @@ def test_wood_is_stiffer_the_steeper_its_fibres(summary):
     assert 4 < forces[-1] / forces[0] < 12
 
 
-def test_pictures_are_drawn(folder):
+def test_pictures_are_drawn(folder, summary):
     for name in ("pressure.png", "paths.png", "bodies.png"):
         assert (folder / name).stat().st_size > 10_000

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import test_numbers_out
 import test_own_bodies
+from scenes import groove
 from test_ranks import launch
 
 import contactdd as cd
@@ -24,7 +25,7 @@ EXACT = {"rtol": 0.0, "atol": 0.0}
 @pytest.fixture(scope="module")
 def solution():
     """Unlike meshes, degrees 2 and 1, a groove that stays open."""
-    return cd.solve(test_numbers_out.blocks(lambda x: 5e-4 * np.maximum(1 - (x[0] - 1.5) ** 2, 0) ** 1.5))
+    return cd.solve(test_numbers_out.blocks(lambda x: groove(x, middle=1.5)))
 
 
 def read(files):
@@ -213,7 +214,8 @@ RANKS = """
     from mpi4py import MPI
     sys.path.insert(0, {tests!r})
     import contactdd as cd, test_numbers_out
-    scene = test_numbers_out.blocks(lambda x: 5e-4 * np.maximum(1 - (x[0] - 1.5) ** 2, 0) ** 1.5)
+    from scenes import groove
+    scene = test_numbers_out.blocks(lambda x: groove(x, middle=1.5))
     scene = cd.Scene(scene.bodies, scene.contacts, comm=MPI.COMM_WORLD)
     solution = cd.solve(scene)
     files = solution.export({folder!r})

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scenes import DEPTH, groove
 
 import contactdd as cd
 
-E, NU, B, DEPTH, LOAD = 2.1e5, 0.3, 1.0, 5e-4, 20.0
+E, NU, B, LOAD = 2.1e5, 0.3, 1.0, 20.0
 EXACT = cd.reference.groove_half_planes(q=LOAD, E=E, nu=NU, b=B, r0=DEPTH)
 
 
@@ -36,10 +37,6 @@ def solve(length, refine, stiffness=1e10):
     result = cd.solve(cd.Scene([lower, upper], [contact])).contact(degree=20)
     order = np.argsort(result.x[:, 0])
     return result.x[order, 0], np.maximum(result.gap[order], 0.0), result.pressure[order]
-
-
-def groove(x):
-    return DEPTH * np.maximum(1 - (x[0] / B) ** 2, 0) ** 1.5
 
 
 def open_half_width(x, gap):

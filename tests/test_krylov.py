@@ -2,33 +2,28 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 import scipy
+from scenes import block, groove, stack
 
 import contactdd as cd
 from contactdd.local.factor import Factor
 
-STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 
-
-def stack(count: int) -> cd.Scene:
+def foundation(count: int) -> cd.Scene:
     """Blocks on a foundation, pressed together over grooves."""
-    blocks = []
-    for place in range(count):
-        mesh = cd.rectangle((0, place), (4, place + 1), (12, 3))
-        supports = [cd.Symmetry("left", "right")] + ([cd.Fixed("bottom")] if place == 0 else [])
-        loads = [cd.Pressure("top", 10.0)] if place == count - 1 else []
-        blocks.append(cd.Body(f"block {place}", mesh, STEEL, supports=supports, loads=loads))
-
-    def groove(x):
-        return 5e-4 * np.maximum(1 - (x[0] - 2) ** 2, 0) ** 1.5
-
-    contacts = [cd.Contact((a, "top"), (b, "bottom"), LAYER, gap=groove) for a, b in pairwise(blocks)]
-    return cd.Scene(blocks, contacts)
+    blocks = [
+        block(
+            f"block {place}",
+            place,
+            (12, 3),
+            supports=[cd.Fixed("bottom")] if place == 0 else [],
+            loads=[cd.Pressure("top", 10.0)] if place == count - 1 else [],
+        )
+        for place in range(count)
+    ]
+    return stack(blocks, gap=lambda x: groove(x, middle=2.0))
 
 
 def counted(function, calls: list):
@@ -44,7 +39,7 @@ def counted(function, calls: list):
 @pytest.mark.parametrize("local_solver", ["condensed", "assembled"])
 def test_a_body_is_factored_once_per_correction(local_solver, monkeypatch):
     """It is solved many times more, and the forces balance as before."""
-    scene, done = stack(4), []
+    scene, done = foundation(4), []
     scene.local_problems(local_solver)  # the insides are eliminated before the counting begins
     for owner, name in ((scipy.linalg.lapack, "dpotrf"), (scipy.linalg.lapack, "dposv"), (Factor, "update")):
         monkeypatch.setattr(owner, name, counted(getattr(owner, name), done))
@@ -57,7 +52,7 @@ def test_a_body_is_factored_once_per_correction(local_solver, monkeypatch):
 @pytest.mark.parametrize("local_solver", ["condensed", "assembled", "multigrid"])
 def test_held_is_one_symmetric_inverse_for_many_forces(local_solver):
     """Where the supports hold the body it is (A + Φ)⁻¹ itself, as `correct` finds it, or a multigrid cycle near it."""
-    scene = stack(2)
+    scene = foundation(2)
     problem = scene.local_problems(local_solver)[0]
     phi = {i: np.full(len(face.weights), 1e5) for i, face in enumerate(scene.interfaces)}
     held = problem.robin_solver(phi)

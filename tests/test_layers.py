@@ -582,7 +582,8 @@ def test_barton_bandis_joint_in_a_column_under_a_load():
 def test_calculix_contact1():
     """Its two blocks in series, as stiff as M A/h: force 0.8310962, displacements -2.9399321e-6 and -2.9874144e-6.
 
-    The load, 1, acts on the contact face of the upper block, whose other end is held; F = 0.2 exp(β d) on 0.2 × 0.2, β = log(100)/1.5351e-7.
+    The load, 1, acts on the contact face of the upper block, whose other end is held; F = 0.2 exp(β d) on 0.2 × 0.2,
+    β = log(100)/1.5351e-7.
     """
     material, sides = cd.Isotropic(2.1e5, 0.3), cd.Symmetry("left", "right")
     lower = cd.Body(

@@ -9,13 +9,12 @@ import ufl
 from dolfinx import fem
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
+from scenes import LAYER, STEEL, groove
 from scipy.optimize import brentq
 
 import contactdd as cd
 from contactdd.local.space import admissible_space
 
-STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 Q, WIDTH, HEIGHT = 10.0, 3.0, 2.0
 # Uniform states are exact on every mesh; the solves end at 1e-12 of the forces, softer parts enlarge that.
 EXACT = 1e-9
@@ -222,9 +221,6 @@ FOUNDATIONS = {
 
 def on_a_foundation(supports, degree=1):
     """A grooved block pressed with Q · WIDTH onto one whose contact surface cannot move."""
-
-    def groove(x):
-        return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
 
     return scene([cd.Pressure("top", Q)], supports, degree=degree, gap=groove)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scenes import LAYER, STEEL
 from scipy.spatial.transform import Rotation
 
 import contactdd as cd
@@ -11,8 +12,6 @@ from contactdd.material import VOIGT
 
 # Pine-like: the moduli differ by a factor of 20 and no ratio is a round one. MPa; lengths in cm.
 WOOD = cd.Orthotropic(E1=12e3, E2=900.0, E3=600.0, nu12=0.42, nu13=0.39, nu23=0.31, G12=750.0, G13=700.0, G23=70.0)
-STEEL = cd.Isotropic(E=2.1e5, nu=0.3)
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 Q = 10.0
 
 # Sums of a few dozen products of numbers of like size: each rounds by 1e-16.

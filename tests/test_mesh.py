@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scenes import STEEL, block, groove, stack
 
 import contactdd as cd
 from contactdd.files import mesh_cache
@@ -16,7 +17,6 @@ from contactdd.quadrature import rule
 gmsh = pytest.importorskip("gmsh")
 
 MESHES = Path(__file__).parents[1] / "meshes"
-STEEL = cd.Isotropic(2.1e5, 0.3)
 
 
 def area(mesh: cd.Mesh, surface: str) -> float:
@@ -253,13 +253,11 @@ def test_a_groove_in_the_mesh_is_the_groove_given_as_a_gap():
     def solve(lower: cd.Mesh, gap) -> cd.ContactResult:
         sides = [cd.Symmetry("left", "right")]
         a = cd.Body("a", lower, STEEL, supports=sides, loads=[cd.Pressure("bottom", 10)], degree=2)
-        upper = cd.rectangle((0, 1), (4, 2), (29, 8))
-        b = cd.Body("b", upper, STEEL, supports=sides, loads=[cd.Pressure("top", 10)], degree=2)
-        contact = cd.Contact((a, "top"), (b, "bottom"), cd.PowerLayer(B=4e-6, a=1.1), gap=gap)
-        return cd.solve(cd.Scene([a, b], [contact]), "newton", gamma="search", tolerance=1e-10).contact()
+        b = block("b", 1, (29, 8), loads=[cd.Pressure("top", 10)], degree=2)
+        return cd.solve(stack([a, b], gap=gap), "newton", gamma="search", tolerance=1e-10).contact()
 
     cut = solve(cd.read_gmsh(MESHES / "groove.geo", order=2), 0.0)
-    given = solve(cd.rectangle((0, 0), (4, 1), (32, 8)), lambda x: 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5)
+    given = solve(cd.rectangle((0, 0), (4, 1), (32, 8)), groove)
     exact = cd.reference.groove()
     for result in (cut, given):
         error = result.pressure - exact.pressure(result.x[:, 0])

@@ -8,6 +8,7 @@ import warnings
 
 import numpy as np
 import pytest
+from scenes import groove
 
 import contactdd as cd
 from contactdd.base.polyline import polyline
@@ -44,7 +45,7 @@ def uniform():
 
 @pytest.fixture(scope="module")
 def grooved():
-    return cd.solve(blocks(lambda x: 5e-4 * np.maximum(1 - (x[0] - 1.5) ** 2, 0) ** 1.5, cells=(24, 33)))
+    return cd.solve(blocks(lambda x: groove(x, middle=1.5), cells=(24, 33)))
 
 
 def test_uniform_compression(uniform):
@@ -295,7 +296,7 @@ def test_stiffness_is_the_slope_of_the_force(local_solver):
     """With a groove that closes step by step, against central differences, by factors and by conjugate gradients."""
 
     def force(closing):
-        scene = between_plates(closing, lambda x: 5e-4 * np.maximum(1 - (x[0] - 1.5) ** 2, 0) ** 1.5)
+        scene = between_plates(closing, lambda x: groove(x, middle=1.5))
         solution = cd.solve(scene, tolerance=1e-12, local_solver=local_solver)
         return solution.contact().force, solution
 

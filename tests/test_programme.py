@@ -4,30 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scenes import LAYER, STEEL, block, groove, stack
 
 import contactdd as cd
 from contactdd.local import assembled
 
-STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 NEWTON = {"method": "newton", "gamma": "search", "tolerance": 1e-11}
 # Both runs end at residuals of 1e-11; the layer is stiffer than the bodies, but by less than a hundred.
 SAME = 1e-8
 
 
-def groove(x):
-    return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
-
-
 def scene(load=10.0, gap=groove, approach=None):
     """The paper's groove on a coarse grid; pressed by `load`, or by moving the top face by −`approach`."""
-    sides = [cd.Symmetry("left", "right")]
-    lower = cd.Body("lower", cd.rectangle((0, 0), (4, 1), (16, 4)), STEEL, supports=[*sides, cd.Symmetry("bottom")])
     top = [] if approach is None else [cd.Displacement("top", (None, approach))]
     loads = [cd.Pressure("top", load)] if approach is None else []
-    mesh = cd.rectangle((0, 1), (4, 2), (16, 4))
-    upper = cd.Body("upper", mesh, cd.Isotropic(7e4, 0.2), supports=sides + top, loads=loads)
-    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER, gap=gap)])
+    lower = block("lower", 0, (16, 4), supports=[cd.Symmetry("bottom")])
+    upper = block("upper", 1, (16, 4), cd.Isotropic(7e4, 0.2), supports=top, loads=loads)
+    return stack([lower, upper], gap=gap)
 
 
 def differ(found, expected):

@@ -21,23 +21,14 @@ import sys
 import numpy as np
 from mpi4py import MPI
 import contactdd as cd
+from scenes import block, stack
 
 comm = MPI.COMM_WORLD
-steel = cd.Isotropic(E=2.1e5, nu=0.3)
-layer = cd.PowerLayer(B=4e-6, a=1.1)
 load = cd.Parameter(10.0)
 
-def block(i, n):
-    loads = [cd.Pressure("bottom", load)] if i == 0 else [cd.Pressure("top", load)] if i == 2 else []
-    mesh = cd.rectangle((0, i), (4, i + 1), (n, n // 2))
-    return cd.Body(f"block {i}", mesh, steel, supports=[cd.Symmetry("left", "right")], loads=loads)
-
-def groove(x):
-    return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
-
-bodies = [block(i, n) for i, n in enumerate((16, 24, 12))]
-contacts = [cd.Contact((a, "top"), (b, "bottom"), layer, gap=groove) for a, b in zip(bodies, bodies[1:])]
-scene = cd.Scene(bodies, contacts, comm=comm)
+loads = [[cd.Pressure("bottom", load)], [], [cd.Pressure("top", load)]]
+bodies = [block(f"block {i}", i, (n, n // 2), loads=loads[i]) for i, n in enumerate((16, 24, 12))]
+scene = stack(bodies, comm=comm)
 """
 
 SOLVE = """
@@ -62,7 +53,7 @@ if comm.rank == 0:
 
 def launch(ranks: int, code: str, *arguments: str, timeout: float = 120) -> subprocess.CompletedProcess:
     mpirun = shutil.which("mpirun", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]))
-    env = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")]), "OMP_NUM_THREADS": "1"}
     if os.geteuid() == 0:
         env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     env |= {"PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}  # more ranks than this machine has cores

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-import groove
 import numpy as np
 import pytest
+import scenes
 import test_uniform
+from scenes import LAYER
 
 import contactdd as cd
 from contactdd import scheme
 
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 Z, BEFORE = np.array([-3e-5, 2e-5, -1e-5, 4e-5]), np.array([-2e-5, -1e-5, 3e-5, 5e-5])
 
 
 @pytest.fixture(scope="module")
 def paper_scene():
-    return groove.scene("vertex")
+    return scenes.paper("vertex")
 
 
 def g(z):
@@ -88,8 +88,8 @@ def test_gamma_may_vary_and_end(paper_scene):
 
 def test_searched_gamma_never_raises_the_energy():
     # Meshes that do not mirror each other, so that slow modes are there.
-    lower, upper = groove.scene().bodies[0], groove.scene(refine=1).bodies[1]
-    scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), groove.LAYER, gap=groove.gap)])
+    lower, upper = scenes.paper().bodies[0], scenes.paper(refine=1).bodies[1]
+    scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), LAYER, gap=scenes.groove)])
     for method in ("one-point", "chord", "kurchatov", "newton", "newton-chord"):
         energy = cd.solve(scene, method, gamma="search", tolerance=1e-9).history.energy
         assert np.all(np.diff(energy) <= 1e-13 * np.abs(energy).max())  # rounding of the energy's parts
@@ -153,19 +153,20 @@ def test_units_do_not_matter():
         steel = cd.Isotropic(E=2.1e5 * stress, nu=0.3)
         layer = cd.PowerLayer(B=4e-6 * length / stress**1.1, a=1.1)
         bodies = [
-            cd.Body(
+            scenes.block(
                 name,
-                cd.rectangle((0, y * length), (4 * length, (y + 1) * length), (16, 8), diagonal=diagonal),
+                y * length,
+                (16, 8),
                 steel,
-                supports=[cd.Symmetry("left", "right")],
+                length=4 * length,
+                height=length,
                 loads=[cd.Pressure(loaded, 10.0 * stress)],
+                diagonal=diagonal,
             )
             for name, y, loaded, diagonal in (("lower", 0, "bottom", "right"), ("upper", 1, "top", "left"))
         ]
-        contact = cd.Contact(
-            (bodies[0], "top"), (bodies[1], "bottom"), layer, gap=lambda x, s=length: s * groove.gap(x / s)
-        )
-        solution = cd.solve(cd.Scene(bodies, [contact]), "chord", gamma=0.6, tolerance=1e-9)
+        scene = scenes.stack(bodies, layer, gap=lambda x, s=length: s * scenes.groove(x / s))
+        solution = cd.solve(scene, "chord", gamma=0.6, tolerance=1e-9)
         counts.append(solution.iterations)
         peaks.append(solution.contact().pressure.max() / stress)
     assert len(set(counts)) == 1
@@ -174,9 +175,9 @@ def test_units_do_not_matter():
 
 def test_swapped_bodies(paper_scene):
     """The contact written the other way round gives the same pressures on matching meshes."""
-    lower, upper = groove.scene().bodies
+    lower, upper = scenes.paper().bodies
     one, other = (
-        cd.solve(cd.Scene(bodies, [cd.Contact(*sides, groove.LAYER, gap=groove.gap)]), "newton", gamma="search")
+        cd.solve(cd.Scene(bodies, [cd.Contact(*sides, LAYER, gap=scenes.groove)]), "newton", gamma="search")
         for bodies, sides in (
             ([lower, upper], ((lower, "top"), (upper, "bottom"))),
             ([upper, lower], ((upper, "bottom"), (lower, "top"))),

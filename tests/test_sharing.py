@@ -2,32 +2,25 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
+from scenes import block, stack
 
 import contactdd as cd
 from contactdd.local import choose
 
 
-def stack(moduli: list[float], heights: list[float] | None = None) -> cd.Scene:
+def plates(moduli: list[float], heights: list[float] | None = None) -> cd.Scene:
     """Plates on a foundation, grooves between them."""
     heights = heights or [1.0] * len(moduli)
-    plates, top = [], 0.0
+    bodies, top = [], 0.0
     for place, (modulus, height) in enumerate(zip(moduli, heights, strict=True)):
-        mesh = cd.rectangle((0, top), (4, top + height), (12, 4))
-        top += height
-        sides = cd.Symmetry("left", "right")
-        supports = [sides, cd.Fixed("bottom")] if place == 0 else [sides]
+        supports = [cd.Fixed("bottom")] if place == 0 else []
         loads = [cd.Pressure("top", 10.0)] if place == len(moduli) - 1 else []
-        plates.append(cd.Body(f"plate {place}", mesh, cd.Isotropic(modulus, 0.3), supports=supports, loads=loads))
-    layer = cd.PowerLayer(B=4e-6, a=1.1)
-    contacts = [
-        cd.Contact((a, "top"), (b, "bottom"), layer, gap=lambda x: 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5)
-        for a, b in pairwise(plates)
-    ]
-    return cd.Scene(plates, contacts)
+        steel = cd.Isotropic(modulus, 0.3)
+        bodies.append(block(f"plate {place}", top, (12, 4), steel, height=height, supports=supports, loads=loads))
+        top += height
+    return stack(bodies)
 
 
 def factors(scene: cd.Scene) -> int:
@@ -41,17 +34,17 @@ def factors(scene: cd.Scene) -> int:
 
 
 def test_only_identical_bodies_share():
-    assert factors(stack([2e5] * 6)) == 3  # the lowest is held, the highest has one contact
-    assert factors(stack([2e5, 1e5, 2e5, 1e5, 2e5, 1e5])) == 4
-    assert factors(stack([2e5] * 6, [1.0, 1.0, 1.0, 1.0 + 1e-9, 1.0, 1.0])) == 4
+    assert factors(plates([2e5] * 6)) == 3  # the lowest is held, the highest has one contact
+    assert factors(plates([2e5, 1e5, 2e5, 1e5, 2e5, 1e5])) == 4
+    assert factors(plates([2e5] * 6, [1.0, 1.0, 1.0, 1.0 + 1e-9, 1.0, 1.0])) == 4
 
 
 @pytest.mark.parametrize("method", ["auto", "chord"])
 def test_sharing_changes_nothing(method, monkeypatch):
     tolerance = 1e-10 if method == "auto" else 1e-6
-    shared = cd.solve(stack([2e5] * 5), method, tolerance=tolerance)
+    shared = cd.solve(plates([2e5] * 5), method, tolerance=tolerance)
     monkeypatch.setattr(choose, "originals", lambda bodies: [None] * len(bodies))
-    scene = stack([2e5] * 5)
+    scene = plates([2e5] * 5)
     alone = cd.solve(scene, method, tolerance=tolerance)
     assert factors(scene) == 5
     assert shared.iterations == alone.iterations

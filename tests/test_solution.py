@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
+from scenes import block, stack
 
 import contactdd as cd
-
-STEEL = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa; lengths in cm
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 
 
 def floating_stack() -> cd.Scene:
@@ -16,16 +14,9 @@ def floating_stack() -> cd.Scene:
     One point per facet meets the middle node of the upper block's edges only: at other points that block's inside is
     needed and the lower one's is not.
     """
-    sides = [cd.Symmetry("left", "right")]
-    low, high = cd.rectangle((0, 0), (4, 1), (8, 4)), cd.rectangle((0, 1), (4, 2), (8, 4))
-    lower = cd.Body("lower", low, STEEL, supports=sides, loads=[cd.Pressure("bottom", 10.0)], degree=1)
-    upper = cd.Body("upper", high, STEEL, supports=sides, loads=[cd.Pressure("top", 10.0)], degree=2)
-
-    def gap(x):
-        return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
-
-    contact = cd.Contact((lower, "top"), (upper, "bottom"), LAYER, gap=gap, quadrature_degree=1)
-    return cd.Scene([lower, upper], [contact])
+    lower = block("lower", 0, (8, 4), loads=[cd.Pressure("bottom", 10.0)], degree=1)
+    upper = block("upper", 1, (8, 4), loads=[cd.Pressure("top", 10.0)], degree=2)
+    return stack([lower, upper], quadrature_degree=1)
 
 
 def test_a_floating_stack_has_one_gap_at_other_points_too():

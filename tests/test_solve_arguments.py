@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import groove
 import numpy as np
 import pytest
+import scenes
 
 import contactdd as cd
 
@@ -13,7 +13,7 @@ STEEL = cd.Isotropic(2.1e5, 0.3)
 
 @pytest.fixture(scope="module")
 def scene() -> cd.Scene:
-    return groove.scene("vertex")
+    return scenes.paper("vertex")
 
 
 @pytest.mark.parametrize(
@@ -35,7 +35,7 @@ def scene() -> cd.Scene:
     ],
 )
 def test_refused(options, error, message):
-    fresh = groove.scene("vertex")
+    fresh = scenes.paper("vertex")
     with pytest.raises(error, match=message):
         cd.solve(fresh, **options)
     assert "interfaces" not in vars(fresh)  # nothing was made yet
@@ -48,7 +48,7 @@ def test_something_else_than_a_scene():
 
 def test_start_from_a_solution_on_other_cells(scene):
     with pytest.raises(ValueError, match="start = a solution: its body 'lower' has"):
-        cd.solve(groove.scene("vertex", refine=2), start=cd.solve(scene))
+        cd.solve(scenes.paper("vertex", refine=2), start=cd.solve(scene))
 
 
 @pytest.mark.parametrize(("method", "degree", "nu"), [("auto", 4, 0.49999), ("anderson", 6, 0.4999999)])
@@ -67,7 +67,7 @@ def test_what_rounding_makes_indefinite_ends_in_a_status(method, degree, nu):
         loads=[cd.Pressure("top", 10.0)],
         degree=2,
     )
-    contact = cd.Contact((lower, "top"), (upper, "bottom"), groove.LAYER, gap=lambda x: 1e-4 * np.cos(x[0]))
+    contact = cd.Contact((lower, "top"), (upper, "bottom"), scenes.LAYER, gap=lambda x: 1e-4 * np.cos(x[0]))
     solution = cd.solve(cd.Scene([lower, upper], [contact]), method, on_failure="return", max_iterations=300)
     assert solution.status == "stalled" or solution.residual < 1e-6
     if solution.status == "stalled":

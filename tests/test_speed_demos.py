@@ -11,7 +11,7 @@ FIELDS = {"solver", "element", "mesh", "unknowns", "cpu_seconds", "peak_mb", "er
 
 @pytest.mark.long
 def test_speed_vs_error(tmp_path):
-    rows = run("speed_vs_error", tmp_path, "--quick")
+    rows = run("studies/speed_vs_error", tmp_path, "--quick")
     assert all(set(row) >= FIELDS and row["cpu_seconds"] > 0 and row["unknowns"] > 0 for row in rows)
     assert is_picture(tmp_path / "speed_vs_error.png")
     ours = [row for row in rows if row["solver"].startswith("contactdd")]
@@ -27,7 +27,7 @@ def test_speed_vs_error(tmp_path):
 
 @pytest.mark.long
 def test_scaling(tmp_path):
-    summary = run("scaling", tmp_path, "--quick")
+    summary = run("studies/scaling", tmp_path, "--quick")
     rows = summary["measurements"]
     assert is_picture(tmp_path / "scaling.png")
     assert {row["kind"] for row in rows} == {"plane", "space", "bodies"}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import groove
 import numpy as np
 import pytest
+import scenes
 
 import contactdd as cd
 from contactdd.system import start
@@ -18,11 +18,11 @@ def pair(distance: float, supports: list[object], load: float = 10.0) -> cd.Scen
     lower = cd.Body("lower", cd.rectangle((0, 0), (2, 1), (4, 2)), STEEL, supports=[cd.Fixed("bottom")])
     mesh = cd.rectangle((0, 1 + distance), (2, 2 + distance), (4, 2))
     upper = cd.Body("upper", mesh, STEEL, supports=supports, loads=[cd.Pressure("top", load)] if load else [])
-    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), groove.LAYER)])
+    return cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), scenes.LAYER)])
 
 
 def test_floating_bodies_are_pressed_together():
-    scene = groove.scene()
+    scene = scenes.paper()
     ensemble = Ensemble(scene.local_problems("condensed"), scene.interfaces)
     state = start.together(ensemble)
     # 10 MPa on the whole contact: the law of the layer says how deep.

@@ -23,23 +23,19 @@ def counting(forms, *arguments, **options):
     return compile_forms(forms, *arguments, **options)
 jit.compile_forms = counting
 import contactdd as cd
+from scenes import pressed
 
-def groove(shape="triangle", degree=1, q=10, E=2.1e5):
-    steel, sides = cd.Isotropic(E=E, nu=0.3), [cd.Symmetry("left", "right")]
-    bodies = [
-        cd.Body(name, cd.rectangle((0, y), (4, y + 1), (8, 4), shape=shape), steel, supports=sides,
-                loads=[cd.Pressure(side, q)], degree=degree)
-        for name, y, side in (("lower", 0, "bottom"), ("upper", 1, "top"))
-    ]
-    layer = cd.PowerLayer(B=4e-6, a=1.1)
-    contact = cd.Contact((bodies[0], "top"), (bodies[1], "bottom"), layer, gap=lambda x: 1e-4 * (1 - x[0] / 4))
-    return cd.Scene(bodies, [contact])
+def groove(q=10, E=2.1e5):
+    return pressed((8, 4), gap=lambda x: 1e-4 * (1 - x[0] / 4), load=q, material=cd.Isotropic(E=E, nu=0.3))
 """
 
 
 def answer(script: str, home: Path | None = None) -> object:
     """What a script prints as JSON in its last line, run in a process of its own."""
-    env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")])}
+    env = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests"), os.environ.get("PYTHONPATH", "")]),
+    }
     if home is not None:
         env["XDG_CACHE_HOME"] = str(home)  # where dolfinx keeps compiled forms
     done = subprocess.run([sys.executable, "-c", script], env=env, check=True, capture_output=True, text=True)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import groove
 import numpy as np
 import pytest
+import scenes
 
 import contactdd as cd
 from contactdd.local import assembled, condensation, factor
@@ -26,7 +26,7 @@ def factorisations(monkeypatch):
 
 
 def test_layers_share_the_bodies(factorisations):
-    scene = groove.scene()
+    scene = scenes.paper()
     cd.solve(scene)
     before = len(factorisations)
     assert before > 0
@@ -34,18 +34,18 @@ def test_layers_share_the_bodies(factorisations):
         layer = cd.PowerLayer(B, a)
         swept = cd.solve(scene.with_layer(layer)).contact()
         assert len(factorisations) == before
-        fresh = groove.scene()
-        alone = cd.Contact(*fresh.contacts[0].sides, layer, gap=groove.gap)
+        fresh = scenes.paper()
+        alone = cd.Contact(*fresh.contacts[0].sides, layer, gap=scenes.groove)
         expected = cd.solve(cd.Scene(fresh.bodies, [alone])).contact()
         # Two eliminations of the same matrices, both solved to 1e-10.
         np.testing.assert_allclose(swept.pressure, expected.pressure, atol=1e-8 * expected.pressure.max())
         before = len(factorisations)
     # The scene itself is as it was.
-    assert scene.contacts[0].layer == groove.LAYER
+    assert scene.contacts[0].layer == scenes.LAYER
 
 
 def test_gamma_and_methods_share_the_bodies(factorisations):
-    scene = groove.scene("vertex")
+    scene = scenes.paper("vertex")
     cd.solve(scene)
     before = len(factorisations)
     for method, gamma in (("chord", 0.5), ("chord", 0.7), ("kurchatov", 0.6), ("newton", "search")):
@@ -54,8 +54,8 @@ def test_gamma_and_methods_share_the_bodies(factorisations):
 
 
 def test_bad_layers_are_refused():
-    scene = groove.scene()
+    scene = scenes.paper()
     with pytest.raises(TypeError, match="layer = 5"):
         scene.with_layer(5)
     with pytest.raises(ValueError, match="contact = 'nowhere'"):
-        scene.with_layer(groove.LAYER, "nowhere")
+        scene.with_layer(scenes.LAYER, "nowhere")

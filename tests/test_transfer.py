@@ -10,15 +10,14 @@ import pytest
 import ufl
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
+from scenes import LAYER, LOAD, STEEL, groove
 from scipy.interpolate import CubicSpline
 
 import contactdd as cd
 from contactdd.interface.detection import facing_pairs
 from contactdd.interface.overlap import common_normals, segments
 
-STEEL, BRASS = cd.Isotropic(2.1e5, 0.3), cd.Isotropic(1.0e5, 0.35)
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
-LOAD = 10.0
+BRASS = cd.Isotropic(1.0e5, 0.35)
 # A pressure comes from a gap of 1e-5 between displacements of 1e-4 that a direct solver knows to 1e-15: 1e-10 has room.
 ROUNDING = 1e-10
 
@@ -109,10 +108,6 @@ def test_decomposed_steps_reach_the_coupled_solution():
         parted = cd.solve(scene, "chord", gamma=0.6, tolerance=1e-9, local_solver=local_solver).contact()
         # The residual of 1e-9 is divided by the softest mode's stiffness, a few hundred times below the stiffest.
         assert np.abs(parted.pressure - coupled.pressure).max() < 1e-6 * LOAD
-
-
-def groove(x: np.ndarray) -> np.ndarray:
-    return 5e-4 * np.maximum(1 - x[0] ** 2, 0) ** 1.5
 
 
 # ------------------------------------------------------------------------------------- what a pairing has to do

@@ -4,30 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scenes import HEIGHT, LAYER, LOAD, STEEL, pressed
 
 import contactdd as cd
 
-Q, H, L = 10.0, 1.0, 4.0
-STEEL = cd.Isotropic(E=2.1e5, nu=0.3)
-LAYER = cd.PowerLayer(B=4e-6, a=1.1)
+Q, H = LOAD, HEIGHT
 
 
-def scene(*, shape="triangle", degree=1, kinematics="plane strain", quadrature="gauss", cells=(8, 4), layer=LAYER):
-    def body(name, y, loaded, diagonal):
-        mesh = cd.rectangle((0, y), (L, y + H), cells, shape=shape, diagonal=diagonal)
-        return cd.Body(
-            name,
-            mesh,
-            STEEL,
-            supports=[cd.Symmetry("left", "right")],
-            loads=[cd.Pressure(loaded, Q)],
-            degree=degree,
-            kinematics=kinematics,
-        )
-
-    lower, upper = body("lower", 0.0, "bottom", "right"), body("upper", H, "top", "left")
-    contact = cd.Contact((lower, "top"), (upper, "bottom"), layer, quadrature=quadrature)
-    return cd.Scene([lower, upper], [contact])
+def scene(*, cells=(8, 4), **options):
+    """Two blocks without a groove; `options` go to `scenes.pressed`."""
+    return pressed(cells, gap=0.0, **options)
 
 
 @pytest.mark.parametrize("quadrature", ["facet", "vertex", "gauss"])

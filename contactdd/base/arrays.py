@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Union
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
+#: Whole numbers of any width.
+Integers = NDArray[np.integer[Any]]
 #: An operator that is kept dense where it is small. SciPy's part is named by a string: it is imported by its first use.
 Operator = Union["scipy.sparse.csr_matrix", NDArray[np.float64]]  # type: ignore[name-defined]  # noqa: F821

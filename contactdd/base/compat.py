@@ -12,6 +12,10 @@ from copy import copy
 from functools import cache
 from typing import Any
 
+with contextlib.suppress(ImportError):
+    # The wheel that PyPI offers keeps its libraries in this module; it has to come before dolfinx.
+    import dolfinx_solver  # noqa: F401
+
 import basix.ufl
 import dolfinx
 import numpy as np
@@ -22,10 +26,6 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from . import compiler
-
-with contextlib.suppress(ImportError):
-    # The wheel that PyPI offers keeps its libraries in this module; it has to come before dolfinx.
-    import dolfinx_solver  # noqa: F401
 
 
 def _let_warnings_be_seen() -> None:
@@ -165,7 +165,7 @@ def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64]) -> dmesh.Mesh:
     return dmesh.Mesh(mesh, ufl.Mesh(domain.ufl_domain().ufl_coordinate_element()))
 
 
-def from_arrays(cells: NDArray[np.int64], x: NDArray[np.float64], element: Any) -> dmesh.Mesh:
+def from_arrays(cells: NDArray[np.integer[Any]], x: NDArray[np.float64], element: Any) -> dmesh.Mesh:
     """The mesh of cells (cells, nodes) with nodes at x (nodes, dim); dolfinx does not check them.
 
     The nodes of a cell are in the order of the coordinate element, as in `geometry_dofmap`.

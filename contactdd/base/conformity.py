@@ -9,20 +9,17 @@ from collections.abc import Iterator
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
 
-from .arrays import Floats
-
-Whole = NDArray[np.int64]
+from .arrays import Floats, Integers
 
 
-def side_corners(cell: str, corners: Whole, dim: int) -> Whole:
+def side_corners(cell: str, corners: Integers, dim: int) -> Integers:
     """The corners, in increasing order, of every cell's sides of a dimension: (cells, sides, corners of a side)."""
     sides = np.array(basix.topology(basix.CellType[cell])[dim])
     return np.sort(corners[:, sides], axis=2)
 
 
-def numbered(rows: Whole) -> Whole:
+def numbered(rows: Integers) -> Integers:
     """A number (n,) for each of n rows, the same for equal rows, counted from 0 in lexicographic order."""
     order = np.lexsort(rows.T[::-1])
     in_order = rows[order]
@@ -31,7 +28,7 @@ def numbered(rows: Whole) -> Whole:
     return numbers
 
 
-def pieces(corners: Whole) -> Whole:
+def pieces(corners: Integers) -> Integers:
     """For each cell (cells, corners) the number of the piece that it belongs to; different pieces share no corner."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -45,7 +42,7 @@ def pieces(corners: Whole) -> Whole:
     return np.unique(labels[:cells], return_inverse=True)[1].reshape(-1)
 
 
-def ring_edges(rings: Whole) -> Whole:
+def ring_edges(rings: Integers) -> Integers:
     """The edges (edges, 2), each once, of facets whose corners (facets, corners) are in order around each."""
     if rings.shape[1] == 2:
         return np.unique(np.sort(rings, axis=1), axis=0)
@@ -53,7 +50,7 @@ def ring_edges(rings: Whole) -> Whole:
     return np.unique(np.sort(ends, axis=1), axis=0)
 
 
-def hanging_nodes(edges: Whole, x: Floats) -> Whole:
+def hanging_nodes(edges: Integers, x: Floats) -> Integers:
     """The nodes in the middle of an edge of the boundary whose two ends they join; edges: (edges, 2), x: (nodes, 3).
 
     A hanging node lies on an outer edge of a cell, and outer edges of smaller cells run over it from one end to the
@@ -77,7 +74,7 @@ def hanging_nodes(edges: Whole, x: Floats) -> Whole:
     return np.array(sorted(found), dtype=np.int64)
 
 
-def _between(x: Floats, edge: Whole, nodes: Whole) -> Whole:
+def _between(x: Floats, edge: Integers, nodes: Integers) -> Integers:
     """Those of some nodes that lie inside an edge, from its start to its end."""
     along = x[edge[1]] - x[edge[0]]
     offset = x[nodes] - x[edge[0]]
@@ -88,7 +85,7 @@ def _between(x: Floats, edge: Whole, nodes: Whole) -> Whole:
     return nodes[inside][np.argsort(place[inside])]
 
 
-def _chain(inside: Whole, edge: Whole, known: set[tuple[int, int]]) -> Iterator[int]:
+def _chain(inside: Integers, edge: Integers, known: set[tuple[int, int]]) -> Iterator[int]:
     """The nodes inside an edge, in order, by which known edges lead from its start to its end."""
     start, end = (int(node) for node in edge)
     reached = {start: [start]}

@@ -10,13 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base import compat
-from ..base.arrays import Floats
+from ..base.arrays import Floats, Integers
 from ..base.checks import listed
 from ..base.conformity import numbered, side_corners
 from ..mesh import Mesh, from_arrays, inside_the_body
 from .kinds import DEGREES, SERENDIPITY, SIDES, Kind, completed
-
-Whole = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -24,8 +22,8 @@ class Block:
     """Cells of one kind: their numbers (cells,) and the numbers of their nodes (cells, nodes) in gmsh's order."""
 
     kind: Kind
-    numbers: Whole
-    nodes: Whole
+    numbers: Integers
+    nodes: Integers
 
 
 @dataclass(frozen=True)
@@ -40,13 +38,13 @@ class Contents:
 
     source: str
     dim: int
-    numbers: Whole
+    numbers: Integers
     x: Floats
     blocks: Sequence[Block]
-    bodies: Mapping[str, Whole] = field(default_factory=dict)
+    bodies: Mapping[str, Integers] = field(default_factory=dict)
     all_cells: bool = False
-    surfaces: Mapping[str, Sequence[Whole]] = field(default_factory=dict)
-    node_sets: Mapping[str, Whole] = field(default_factory=dict)
+    surfaces: Mapping[str, Sequence[Integers]] = field(default_factory=dict)
+    node_sets: Mapping[str, Integers] = field(default_factory=dict)
 
     def mesh(self, body: str | None = None) -> Mesh:
         """The mesh of one group of cells, by default of all cells in groups, or of all where there are no groups.
@@ -66,7 +64,7 @@ class Contents:
         element = compat.coordinate_element(kind.shape, DEGREES[kind])
         return from_arrays(cells, x[:, : self.dim], element, surfaces, left_out)
 
-    def _cells(self, body: str | None) -> tuple[Kind, Whole]:
+    def _cells(self, body: str | None) -> tuple[Kind, Integers]:
         """The kind and nodes of the cells of a body, each cell once."""
         if body is not None and body not in self.bodies:
             raise ValueError(
@@ -85,7 +83,7 @@ class Contents:
         _, first = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)
         return kind, nodes[np.sort(first)]
 
-    def _chosen(self, body: str | None) -> Whole:
+    def _chosen(self, body: str | None) -> Integers:
         """The numbers of a body's cells."""
         if body is not None:
             return self.bodies[body]
@@ -104,7 +102,7 @@ class Contents:
             able = ", ".join(str(kind) for kind in (*DEGREES, *SERENDIPITY) if _dim(kind) == self.dim)
             raise ValueError(f"{self.source} has {names}{whose}, which cannot be computed with; mesh it with {able}")
 
-    def _check_nodes(self, kind: Kind, nodes: Whole) -> None:
+    def _check_nodes(self, kind: Kind, nodes: Integers) -> None:
         """Refuse cells whose nodes are not there or not all different, and nodes that hang."""
         there = np.isin(nodes, self.numbers)
         if not np.all(there):
@@ -123,7 +121,7 @@ class Contents:
                 f"face of another, one of them at {at[: self.dim]}; expected cells that meet corner to corner"
             )
 
-    def _check_coordinates(self, used: Whole, x: Floats) -> None:
+    def _check_coordinates(self, used: Integers, x: Floats) -> None:
         if not np.all(np.isfinite(x)):
             bad = int(np.argmin(np.isfinite(x).all(axis=1)))
             name = self.numbers[used[bad]] if used[bad] < len(self.numbers) else used[bad]
@@ -134,7 +132,7 @@ class Contents:
                 "mesh in a plane z = constant"
             )
 
-    def _facets(self, kind: Kind, corners: Whole) -> tuple[Whole, Whole]:
+    def _facets(self, kind: Kind, corners: Integers) -> tuple[Integers, Integers]:
         """The sorted corners of every cell's facets, (cells · facets, corners), and a number of each."""
         facets = side_corners(kind.shape, corners, self.dim - 1)
         facets = facets.reshape(-1, facets.shape[2])
@@ -148,7 +146,7 @@ class Contents:
             )
         return facets, numbers
 
-    def _surfaces(self, facets: Whole, numbers: Whole, kind: Kind) -> tuple[dict[str, Whole], dict[str, str]]:
+    def _surfaces(self, facets: Integers, numbers: Integers, kind: Kind) -> tuple[dict[str, Integers], dict[str, str]]:
         """The (cell, local facet) of each facet of a surface, (facets, 2), and why other groups are no surfaces.
 
         A group with facets inside the body is none: its name is kept for whoever asks for it.
@@ -169,7 +167,7 @@ class Contents:
                 left_out[name] = "no outer facet of this body has all its corners in that set of nodes"
         return surfaces, left_out
 
-    def _groups(self, facets: Whole, outer: NDArray[np.bool_]) -> Iterator[tuple[str, Whole]]:
+    def _groups(self, facets: Integers, outer: NDArray[np.bool_]) -> Iterator[tuple[str, Integers]]:
         """The sorted corners (facets, corners), as places in x, of each group of facets."""
         for name, arrays in self.surfaces.items():
             rows = [np.sort(self._places(name, array), axis=1) for array in arrays if len(array)]
@@ -186,13 +184,13 @@ class Contents:
                 within = np.isin(facets, np.searchsorted(self.numbers, np.intersect1d(nodes, self.numbers)))
                 yield name, facets[outer & within.all(axis=1)]
 
-    def _places(self, name: str, nodes: Whole) -> Whole:
+    def _places(self, name: str, nodes: Integers) -> Integers:
         there = np.isin(nodes, self.numbers)
         if not np.all(there):
             raise ValueError(f"{self.source}: the group {name!r} has the node {nodes[~there][0]}, which is not there")
         return np.searchsorted(self.numbers, nodes)
 
-    def _on_cells(self, rows: Whole) -> NDArray[np.bool_]:
+    def _on_cells(self, rows: Integers) -> NDArray[np.bool_]:
         """Which of some facets (facets, corners) are the side of a cell, whatever its kind and group."""
         all_sides = self._all_sides.get(rows.shape[1])
         if all_sides is None:
@@ -202,9 +200,9 @@ class Contents:
         return np.isin(numbers[len(near) :], numbers[: len(near)])
 
     @cached_property
-    def _all_sides(self) -> dict[int, Whole]:
+    def _all_sides(self) -> dict[int, Integers]:
         """The sides of all cells by their number of corners, as places in x."""
-        found: dict[int, list[Whole]] = {}
+        found: dict[int, list[Integers]] = {}
         for block in self.blocks:
             for side in SIDES[block.kind.shape]:
                 rows = np.searchsorted(self.numbers, block.nodes[:, side])
@@ -212,15 +210,15 @@ class Contents:
         return {count: np.concatenate(rows) for count, rows in found.items()}
 
 
-def merged(groups: Iterator[tuple[str, Whole]]) -> dict[str, Whole]:
+def merged(groups: Iterator[tuple[str, Integers]]) -> dict[str, Integers]:
     """Groups of numbers by name, stripped of blanks; those of one name are one."""
-    found: dict[str, list[Whole]] = {}
+    found: dict[str, list[Integers]] = {}
     for name, numbers in groups:
         found.setdefault(name.strip(), []).append(numbers)
     return {name: np.unique(np.concatenate(each)) for name, each in found.items()}
 
 
-def _matches(facets: Whole, rows: Whole) -> Whole:
+def _matches(facets: Integers, rows: Integers) -> Integers:
     """The places in `facets` (n, corners) of those that are among `rows` (m, corners), all of sorted corners."""
     near = np.flatnonzero(np.isin(facets, rows).all(axis=1))
     if len(near) == 0:
@@ -233,7 +231,7 @@ def _dim(kind: Kind) -> int:
     return 2 if kind.shape in ("triangle", "quadrilateral") else 3
 
 
-def in_order(source: str, numbers: NDArray[np.int64], x: Floats) -> tuple[Whole, Floats]:
+def in_order(source: str, numbers: NDArray[np.int64], x: Floats) -> tuple[Integers, Floats]:
     """The numbers of nodes in increasing order, each once, and their coordinates (nodes, 3)."""
     ordered, first = np.unique(np.asarray(numbers, dtype=np.int64), return_index=True)
     if len(ordered) < len(numbers):

@@ -11,13 +11,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..base.arrays import Floats
+from ..base.arrays import Floats, Integers
 from .contents import Block, Contents, in_order
 from .kinds import CORNERS, EDGES, SIDES, Kind, edge_order
-
-Whole = NDArray[np.int64]
 
 #: Elements of continua by the letters of their type. Plane ones: plane strain, plane stress, of revolution, heat.
 PLANE = ("CPE", "CPS", "CAX", "CPEG", "CGAX", "DC2D", "DCAX", "AC2D")
@@ -60,7 +57,7 @@ class _Deck:
     source: str
     parts: int = 0
     numbers: list[int] = field(default_factory=list)
-    x: list[tuple[float, float, float]] = field(default_factory=list)
+    x: list[list[float]] = field(default_factory=list)
     elements: dict[tuple[int, Kind], list[list[int]]] = field(default_factory=dict)
     others: set[str] = field(default_factory=set)
     sets: dict[str, dict[str, list[str | int]]] = field(default_factory=lambda: {"NSET": {}, "ELSET": {}})
@@ -108,7 +105,7 @@ def _lines(path: Path, outer: tuple[Path, ...]) -> Iterator[str]:
 
 def _cards(lines: Iterator[str]) -> Iterator[_Card]:
     """The keywords of a deck, each with its data. A line of keywords that ends in a comma goes on in the next."""
-    head, data = "", []
+    head, data = "", list[str]()
     for line in lines:
         if head.endswith(",") and not data and not line.startswith("*"):
             head += line
@@ -162,11 +159,11 @@ def _nodes(deck: _Deck, card: _Card) -> None:
         raise ValueError(f"{deck.source} has nodes in cylindrical coordinates; expected SYSTEM=R")
     new = []
     for line in card.lines:
-        number, *x = _fields(line)
+        number, *words = _fields(line)
         new.append(int(number))
-        x = [float(value.upper().replace("D", "E")) if value else 0.0 for value in x[:3]]
+        x = [float(word.upper().replace("D", "E")) if word else 0.0 for word in words[:3]]
         deck.numbers.append(new[-1])
-        deck.x.append((*x, *(0.0,) * (3 - len(x))))
+        deck.x.append(x + [0.0] * (3 - len(x)))
     if "NSET" in card.parameters:
         deck.sets["NSET"].setdefault(card.parameters["NSET"], []).extend(new)
 
@@ -252,31 +249,30 @@ def _contents(deck: _Deck, dim: int) -> Contents:
     return Contents(deck.source, dim, numbers, x, blocks, bodies, True, surfaces, nodes)
 
 
-def _last_nodes(deck: _Deck) -> tuple[Whole, Floats]:
+def _last_nodes(deck: _Deck) -> tuple[Integers, Floats]:
     """The nodes; where one is given twice the later counts, as in the programs."""
     numbers, x = np.array(deck.numbers, dtype=np.int64), np.array(deck.x, dtype=float).reshape(-1, 3)
     ordered, last = np.unique(numbers[::-1], return_index=True)
     return in_order(deck.source, ordered, x[::-1][last])
 
 
-def _block(kind: Kind, rows: Whole) -> Block:
+def _block(kind: Kind, rows: Integers) -> Block:
     """Elements with their nodes in gmsh's order."""
     numbers, nodes = rows[:, 0], rows[:, 1:]
     corners = CORNERS[kind.shape]
     if kind.nodes > corners and kind.shape in DECK_EDGES:
         edges = corners + edge_order(kind.shape, DECK_EDGES[kind.shape])
-        rest = np.arange(corners + len(edges), kind.nodes)
-        if len(rest) == 7:
-            rest = rest[list(DECK_MIDDLES)]
-        nodes = nodes[:, np.concatenate([np.arange(corners), edges, rest])]
+        middles = DECK_MIDDLES if kind.nodes == 27 else range(kind.nodes - corners - len(edges))
+        rest = [corners + len(edges) + place for place in middles]
+        nodes = nodes[:, [*range(corners), *edges, *rest]]
     return Block(kind, numbers, nodes)
 
 
-def _members(deck: _Deck, which: str, name: str) -> Whole:
+def _members(deck: _Deck, which: str, name: str) -> Integers:
     return np.unique(_of_set(deck, which, name, ()))
 
 
-def _of_set(deck: _Deck, which: str, entry: str | int, outer: tuple[str | int, ...]) -> Whole:
+def _of_set(deck: _Deck, which: str, entry: str | int, outer: tuple[str | int, ...]) -> Integers:
     """The numbers that an entry stands for: itself, or all in the set of that name."""
     if isinstance(entry, int):
         return np.array([entry], dtype=np.int64)
@@ -288,7 +284,7 @@ def _of_set(deck: _Deck, which: str, entry: str | int, outer: tuple[str | int, .
     return np.concatenate([direct, *named])
 
 
-def _faces(deck: _Deck, name: str, parts: Sequence[tuple[str, str]], blocks: Sequence[Block]) -> list[Whole]:
+def _faces(deck: _Deck, name: str, parts: Sequence[tuple[str, str]], blocks: Sequence[Block]) -> list[Integers]:
     """The corner nodes (n, corners) of the element faces of a *SURFACE."""
     found = []
     for entry, label in parts:

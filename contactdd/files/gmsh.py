@@ -13,14 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..base.arrays import Integers
 from ..base.checks import finite, listed
 from ..mesh import Mesh
 from .contents import Block, Contents, in_order, merged
 from .kinds import Kind
-
-Whole = NDArray[np.int64]
 
 #: How often words that gmsh's parser has kept are thrown away: a refused script leaves a few buffers of them.
 ATTEMPTS = 100
@@ -57,7 +55,7 @@ def contents(model: Any, dim: int | None, source: str) -> Contents:
     if dim == 2 and not blocks and len(model.mesh.getElements(3)[0]):
         raise ValueError(f"dim = 2: {source} has solid cells only; expected 3")
     bodies = merged((name, _joined(_tags(model, dim, group))) for name, group in _groups(model, dim))
-    surfaces: dict[str, list[Whole]] = {}
+    surfaces: dict[str, list[Integers]] = {}
     for name, group in _groups(model, dim - 1):
         surfaces.setdefault(name, []).extend(_corners(model, dim - 1, group))
     return Contents(source, dim, *in_order(source, numbers, x.reshape(-1, 3)), blocks, bodies, False, surfaces)
@@ -69,7 +67,7 @@ def _groups(model: Any, dim: int) -> Iterator[tuple[str, int]]:
         yield model.getPhysicalName(dim, number).strip() or str(number), number
 
 
-def _elements(model: Any, dim: int, entity: int = -1) -> Iterator[tuple[Kind, Whole, Whole]]:
+def _elements(model: Any, dim: int, entity: int = -1) -> Iterator[tuple[Kind, Integers, Integers]]:
     """Kind, numbers and nodes (n, nodes) of the elements of an entity, or of all."""
     for number, tags, nodes in zip(*model.mesh.getElements(dim, entity), strict=True):
         name, _, _, count, *_ = model.mesh.getElementProperties(number)
@@ -78,20 +76,20 @@ def _elements(model: Any, dim: int, entity: int = -1) -> Iterator[tuple[Kind, Wh
         yield kind, np.asarray(tags, dtype=np.int64), np.asarray(nodes, dtype=np.int64).reshape(-1, count)
 
 
-def _tags(model: Any, dim: int, group: int) -> Iterator[Whole]:
+def _tags(model: Any, dim: int, group: int) -> Iterator[Integers]:
     """The numbers of the elements in a physical group."""
     for entity in model.getEntitiesForPhysicalGroup(dim, group):
         yield from (np.asarray(tags, dtype=np.int64) for tags in model.mesh.getElements(dim, int(entity))[1])
 
 
-def _corners(model: Any, dim: int, group: int) -> Iterator[Whole]:
+def _corners(model: Any, dim: int, group: int) -> Iterator[Integers]:
     """The corner nodes (n, corners) of the elements in a physical group, kind by kind."""
     for entity in model.getEntitiesForPhysicalGroup(dim, group):
         for kind, _, nodes in _elements(model, dim, int(entity)):
             yield nodes[:, : kind.corners]
 
 
-def _joined(parts: Iterator[Whole]) -> Whole:
+def _joined(parts: Iterator[Integers]) -> Integers:
     return np.concatenate([np.zeros(0, dtype=np.int64), *parts])
 
 

@@ -9,11 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..base.arrays import Floats
-
-Whole = NDArray[np.int64]
+from ..base.arrays import Floats, Integers
 
 
 class Kind(NamedTuple):
@@ -88,7 +85,7 @@ SERENDIPITY = {
 }
 
 
-def completed(kind: Kind, nodes: Whole, x: Floats) -> tuple[Kind, Whole, Floats]:
+def completed(kind: Kind, nodes: Integers, x: Floats) -> tuple[Kind, Integers, Floats]:
     """Cells of 8 or 20 nodes as cells of 9 or 27, which have the same shape: kind, nodes (cells, n) and x (nodes, 3).
 
     The new nodes lie where the map of the old ones takes the middles of faces and cells: a middle of a quadrilateral to
@@ -110,14 +107,14 @@ def completed(kind: Kind, nodes: Whole, x: Floats) -> tuple[Kind, Whole, Floats]
     return SERENDIPITY[kind], nodes, np.concatenate([x, on_faces, middles])
 
 
-def _face_edges() -> Whole:
+def _face_edges() -> Integers:
     """The edges around each face of a hexahedron, (6, 4)."""
     sets = [set(edge) for edge in EDGES["hexahedron"]]
     rounds = [zip(face, face[1:] + face[:1], strict=True) for face in HEXAHEDRON_FACES]
     return np.array([[sets.index({a, b}) for a, b in ends] for ends in rounds])
 
 
-def edge_order(shape: str, edges: tuple[tuple[int, int], ...]) -> Whole:
+def edge_order(shape: str, edges: tuple[tuple[int, int], ...]) -> Integers:
     """Which of a program's middle nodes, counted along `edges`, are gmsh's: `gmsh = theirs[edge_order]`."""
     sets = [set(edge) for edge in edges]
     return np.array([sets.index(set(edge)) for edge in EDGES[shape]])

@@ -43,7 +43,7 @@ def read_gmsh(
 def read_mesh(
     path: str | Path, body: str | None = None, *, dim: int | None = None, order: int = 1, **parameters: float
 ) -> Mesh:
-    """The mesh of a body in a file of gmsh, Abaqus or CalculiX, or in a universal file, with its named surfaces.
+    r"""The mesh of a body in a file of gmsh, Abaqus or CalculiX, or in a universal file, with its named surfaces.
 
     Args:
         path: the file; how it begins tells its format.
@@ -57,6 +57,15 @@ def read_mesh(
         FileNotFoundError: if there is no such file.
         ValueError: if the format is not read here, with what to do; if there is no such group; for cells of several
             kinds, or that cannot be computed with; for groups of facets that belong to no cell.
+
+    Example:
+        >>> import tempfile, pathlib
+        >>> path = pathlib.Path(tempfile.mkdtemp(), "square.inp")
+        >>> nodes = "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n"
+        >>> cells = "*ELEMENT, TYPE=CPE4, ELSET=block\n9, 1, 2, 3, 4\n"
+        >>> _ = path.write_text(nodes + cells + "*SURFACE, NAME=top\n9, S3\n")
+        >>> read_mesh(path, "BLOCK")
+        Mesh(1 quadrilaterals; facets TOP: 1)
     """
     path = Path(path)
     return _contents(path, format_of(path), dim, order, parameters).mesh(body)
@@ -66,7 +75,17 @@ def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **p
     """Every group of cells in a file as a mesh of its own, {name: mesh}; see `read_mesh`.
 
     Groups may overlap: which of them are the bodies is yours to choose. `Mesh.pieces` takes apart what one group
-    holds together. A file without groups of cells is refused.
+    holds together.
+
+    Args:
+        path: the file; how it begins tells its format.
+        dim: 2 or 3; by default 3 if there are solid cells.
+        order: of the geometry that a .geo script gets.
+        parameters: numbers of a .geo script.
+
+    Raises:
+        FileNotFoundError: if there is no such file.
+        ValueError: if there are no groups of cells, or for what `read_mesh` refuses.
     """
     path = Path(path)
     found = _contents(path, format_of(path), dim, order, parameters)
@@ -77,6 +96,8 @@ def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **p
 
 def _contents(path: Path, found: str, dim: int | None, order: int, parameters: Mapping[str, float]) -> Contents:
     """What a file in a format that is read here holds."""
+    if dim not in (None, 2, 3):
+        raise ValueError(f"dim = {dim!r}: expected 2 or 3")
     if found in ("gmsh mesh", "gmsh script"):
         from . import gmsh
 

@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..base.arrays import Integers
 from .contents import Block, Contents, in_order, merged
 from .kinds import CORNERS, EDGES, Kind
-
-Whole = NDArray[np.int64]
 
 NODES, NODES_IN_A_LINE, ELEMENTS = ("2411", "781"), ("15",), ("2412", "780")
 GROUPS = ("2429", "2430", "2432", "2435", "2452", "2467", "2477")
@@ -138,24 +136,24 @@ def _groups(found: _Read, lines: Iterator[str]) -> None:
 
 
 def _contents(source: str, found: _Read, dim: int) -> Contents:
-    blocks = {each: [] for each in (1, 2, 3)}
+    blocks: dict[int, list[Block]] = {each: [] for each in (1, 2, 3)}
     for (each, kind), rows in found.elements.items():
         blocks[each].append(_block(kind, np.array(rows, dtype=np.int64)))
     cells = np.concatenate([np.zeros(0, dtype=np.int64), *(block.numbers for block in blocks[dim])])
-    bodies = merged((name, np.intersect1d(numbers, cells)) for name, _, numbers in found.groups)
+    bodies = merged((name, np.intersect1d(elements, cells)) for name, _, elements in found.groups)
     sets = merged((name, np.array(nodes, dtype=np.int64)) for name, nodes, _ in found.groups)
-    surfaces: dict[str, list[Whole]] = {}
-    for name, _, numbers in found.groups:
+    surfaces: dict[str, list[Integers]] = {}
+    for name, _, elements in found.groups:
         for block in blocks[dim - 1]:
-            rows = block.nodes[np.isin(block.numbers, numbers), : block.kind.corners]
-            if len(rows):
-                surfaces.setdefault(name.strip(), []).append(rows)
+            corners = block.nodes[np.isin(block.numbers, elements), : block.kind.corners]
+            if len(corners):
+                surfaces.setdefault(name.strip(), []).append(corners)
     bodies, sets = ({name: each for name, each in groups.items() if len(each)} for groups in (bodies, sets))
     numbers, x = in_order(source, np.array(found.numbers), np.array(found.x, dtype=float).reshape(-1, 3))
     return Contents(source, dim, numbers, x, blocks[dim], bodies, True, surfaces, sets)
 
 
-def _block(kind: Kind, rows: Whole) -> Block:
+def _block(kind: Kind, rows: Integers) -> Block:
     """Elements with their nodes in gmsh's order."""
     nodes = rows[:, 1:]
     if kind in AROUND:

@@ -204,12 +204,14 @@ def _opposite(
     """The points where the facets meet lines along their common normals.
 
     The lines given (n, dim) run along the flat facets' normals. On curved facets, and on those of a curved surface,
-    each turns about the middle of its partners until it follows the smooth surfaces' normals there.
+    each turns about the middle of its partners until it follows the smooth surfaces' normals there, unless that leads
+    off the facets, as it does across a gap that is wide beside what bends the surface.
     """
-    across = normal
+    across, straight = normal, line
+    kept = np.zeros(len(line), dtype=bool)
     shapes = [smoothed(side) for side in sides]
     local = [np.tile(side.centre, (len(line), 1)) for side in sides]
-    for _ in range(10):
+    for turns in range(10):
         points = []
         for place, side in enumerate(sides):
             entities = side.entities[facets[place]]
@@ -219,8 +221,10 @@ def _opposite(
             )
             points.append(facet_points(domain, entities, local[place]))
         outward = [_normals(*seen) for seen in zip(shapes, facets, local, points, strict=True)]
-        turned = common_normals(outward[0], outward[1])
-        line = 0.5 * (points[0].x + points[1].x)
+        if turns > 0:
+            kept |= np.maximum(*(_beyond(side, at) for side, at in zip(sides, local, strict=True))) > 0.25
+        turned = np.where(kept[:, None], across, common_normals(outward[0], outward[1]))
+        line = np.where(kept[:, None], straight, 0.5 * (points[0].x + points[1].x))
         change = np.abs(turned - normal).max(initial=0.0)
         if change < 1e-12:
             break
@@ -231,6 +235,12 @@ def _opposite(
         for side, shape, at, start in zip(sides, shapes, facets, local, strict=True)
     ]
     return PointPairs((points[0], points[1]), facets, normal, weights, segment, (smooth[0], smooth[1]))
+
+
+def _beyond(side: ContactSurface, local: Floats) -> Floats:
+    """How far points lie outside their facets, in the facets' coordinates, (n,)."""
+    far = local.sum(axis=1) if side.corners.shape[1] == 3 else local.max(axis=1)
+    return np.maximum(far - 1.0, -local.min(axis=1))
 
 
 def _normals(shape: SmoothSurface | None, facets: Indices, local: Floats, points: FacetPoints) -> Floats:

@@ -95,7 +95,7 @@ def vertex_normals(nodes: SurfaceNodes) -> tuple[Floats, NDArray[np.bool_]]:
         lengths = np.linalg.norm(said, axis=2, keepdims=True)
         said = said / np.where(lengths > 0.0, lengths, 1.0)
         normals[asking] = np.where((own[asking] >= 0)[..., None], normals[asking], said)
-    return normals, ~(dot(normals, nodes.normals) > np.cos(CREASE)).all(axis=1)  # not a number is none
+    return normals, ~(dot(normals, nodes.normals) > np.cos(0.5 * CREASE)).all(axis=1)  # not a number is none
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ def _fits(nodes: SurfaceNodes, mean: Floats, smooth: NDArray[np.bool_], seen: sc
     slope = terms[:, :, : dim - 1]
     curved = _length(data - np.einsum("vnm,vm->vn", slope, _least_squares(slope, data)))
     fair = left <= np.maximum(UNEXPLAINED[degree] * curved, 1e-11)  # rounding explains the rest
-    fair &= dot(normal, mean[vertices]) > np.cos(CREASE)
+    fair &= dot(normal, mean[vertices]) > np.cos(0.5 * CREASE)
     # Back to the surface's unit of length.
     powers = np.array([sum(p) - 1 for p in _exponents(dim - 1, degree)])
     coefficients = coefficients * size[:, None] ** -powers

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -12,6 +13,15 @@ from ..base.ranks import Ranks
 from ..local.problem import Solver
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
+
+#: Steps in which the preconditioned residual may rise before it falls again. It is the energy that falls with every
+#: step: under multigrid of elements of high degree, or nearly incompressible, the residual rises for more than 25.
+PATIENCE = 100
+
+
+#: The same where all these steps together lower the energy by less than the part NO_GAIN of it: the error in the
+#: energy's norm is then some 1e-7, far below what a Newton correction needs.
+IMPATIENCE, NO_GAIN = 25, 1e-14
 
 
 class Krylov:
@@ -93,14 +103,14 @@ def deflated_conjugate_gradients(
     start: Floats,
     reduction: float,
     most: int = 500,
-    patience: int = 25,
+    patience: int = PATIENCE,
 ) -> Floats:
     """The solution of a positive (semi)definite system whose coarse part `start` has solved already.
 
     apply: the matrix times a vector; project: takes the coarse space out of a search direction. Ends when the
     preconditioned residual has fallen to the part `reduction` of what it was at the start, or for `patience` steps not
     at all, as where only rounding is left; every iterate lowers the energy, so that it is a descent direction whenever
-    it ends.
+    it ends. `patience` is shorter where the energy no longer falls, for then only rounding is left.
     """
     solution, residual = start.copy(), rhs - apply(start)
     preconditioned = precondition(residual)
@@ -109,16 +119,21 @@ def deflated_conjugate_gradients(
     # Rounding of the coarse solve is all that is left where the coarse space holds the solution.
     goal = max(square * reduction**2, 1e-28 * abs(rhs @ start))
     best, best_at, smallest = solution.copy(), 0, square
+    energy, gains = abs(rhs @ start), [math.inf] * IMPATIENCE
     for step in range(most):
         if square < smallest:
             best, best_at, smallest = solution.copy(), step, square
         if square <= goal or step - best_at >= patience:
+            break
+        if step - best_at >= IMPATIENCE and sum(gains[-IMPATIENCE:]) <= NO_GAIN * energy:
             break
         image = apply(direction)
         curvature = direction @ image
         if curvature <= 0.0:  # nothing but rounding is left
             break
         length = square / curvature
+        gains.append(length * square)
+        energy += gains[-1]
         solution += length * direction
         residual -= length * image
         preconditioned = precondition(residual)

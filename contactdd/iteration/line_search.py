@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import scipy
@@ -10,22 +11,42 @@ import scipy
 ACCURACY = 1e-3
 
 
+#: Halvings that find where the energy is finite: the numbers up to 2^20 differ by no less than 2^-60 of them.
+HALVINGS = 80
+
+
 def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) -> float:
     """The t > 0 at which the slope of a convex function along a descent direction vanishes.
 
-    slope: dF₁/dt, which never decreases and is negative at 0. The largest step tried is returned if it stays negative.
+    slope: dF₁/dt, which never decreases and is negative at 0; no finite number where the energy is infinite, as beyond
+    a law's pole. The largest step tried is returned if it stays negative.
     """
-    start, upper = slope(0.0), 1.0
-    if start >= 0.0:  # at the minimum to rounding
+    start, lower, upper = slope(0.0), 0.0, 1.0
+    if not start < 0.0:  # at the minimum to rounding
         return 1.0
     end = slope(upper)
     if abs(end) <= ACCURACY * abs(start):  # Newton's step, as always near the end
         return 1.0
+    known = {0.0: start}
     while end < 0.0:
         if upper >= largest:
             return upper
+        known[upper], lower = end, upper
         upper *= 2.0
         end = slope(upper)
-    known = {0.0: start, upper: end}  # brentq asks for them again
-    found = scipy.optimize.brentq(lambda t: known[t] if t in known else slope(t), 0.0, upper, xtol=1e-12, rtol=ACCURACY)
+    for _ in range(HALVINGS):
+        if math.isfinite(end):
+            break
+        middle = 0.5 * (lower + upper)
+        answer = slope(middle)
+        if answer < 0.0:
+            known[middle], lower = answer, middle
+        else:
+            upper, end = middle, answer
+    if not math.isfinite(end):  # the slope is negative up to the pole itself
+        return lower
+    known[upper] = end  # brentq asks for them again
+    found = scipy.optimize.brentq(
+        lambda t: known[t] if t in known else slope(t), lower, upper, xtol=1e-12, rtol=ACCURACY
+    )
     return float(found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from ..base.arrays import Floats
 from ..base.ranks import Ranks
 from ..errors import LooseBodyError
 from ..history import History, Record
+from ..interface.discretise import Interface
 from ..scheme import Scheme
 from ..system.ensemble import Ensemble, Forces, norm
 from ..system.equilibrium import BALANCED, unbounded_motion
@@ -21,13 +23,39 @@ from ..system.state import State
 from .anderson import Anderson
 from .line_search import minimise_along
 from .step import Step
-from .stopping import PROGRESS, StoppingCriterion, Termination
+from .stopping import PROGRESS, NotANumberError, StoppingCriterion, Termination
 
 Observer = Callable[[Record], bool]
 
 
+#: Displacements so many times the bodies' size, beside what is prescribed, are no answer but a run that escapes.
+ABSURD = 100.0
+
+
+#: The rounding of a sum of some hundred elastic forces, as a part of their size; and the largest residual that may be
+#: taken for it.
+ROUNDING, SMALL = 2e-15, 1e-8
+
+
+#: How often a step that the energy watches over is halved where it would end at a law's pole.
+SHORTER = 4
+
+
+#: A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
+RIGID = 1e8
+
+
 #: Where the slope of the energy is less than this part of the layers' work, differences of that work are too rough.
 CANCELLED = 1e-8
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The forces at an iterate, the size of those at work, and the residual relative to that."""
+
+    forces: Forces
+    scale: float
+    residual: float
 
 
 @dataclass(frozen=True)
@@ -66,6 +94,8 @@ class Run:
             self.anderson.memory = memory
         self._ranks, self._linear = ranks, linear
         self._size = max(problem.length for problem in ensemble.problems)
+        prescribed = [float(np.abs(t.offset).max(initial=0.0)) for p in ensemble.problems for t in p.traces]
+        self._furthest = ABSURD * (self._size + max(prescribed, default=0.0))
         stiffest = ensemble.rigid.stiffness_scale  # and the φ that is as stiff as that
         self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
         self._first_force = 0.0
@@ -83,34 +113,37 @@ class Run:
         gammas = itertools.islice(gammas, done, None)
         last = self.history[-1] if done else None
         best, best_at = self._best_so_far(rule)
+        try:
+            found = self._measured(self.state, self.snapshot.forces)
+        except NotANumberError as error:
+            return self._ending("diverged", f"{error} after {done} iterations")
         for k in range(done, max(done, rule.most) + 1):  # k iterations are done
             if not self._bounded():
                 return self._ending(
                     "diverged", f"displacements exceed the bodies' size a hundred times in iteration {k}"
                 )
-            forces = self.snapshot.forces
-            scale = self._scale(forces)
-            residual = self._ranks.agree(norm(forces.residual) / scale if scale > 0.0 else 0.0)
-            distance = rule.distance(residual, last)
-            reached = f"residual {residual:.2e}" + (f", change {last.change:.2e}" if last else "")
+            distance = rule.distance(found.residual, last)
+            reached = f"residual {found.residual:.2e}" + (f", change {last.change:.2e}" if last else "")
             if distance <= 1.0:
-                return self._arrived(f"{reached} after {k} iterations", residual * scale)
+                return self._arrived(f"{reached} after {k} iterations", found)
             if distance < PROGRESS * best:
                 best, best_at = distance, k
             elif k - best_at >= rule.patience:
+                if rule.criterion == "residual" and self._only_rounding(found):
+                    return self._arrived(f"{reached}, which is rounding of far larger elastic forces", found)
                 return self._ending("stalled", f"no progress in {rule.patience} iterations: {reached}")
             if k >= rule.most:
                 break
             try:
-                last = self._iteration(k + 1, next(gammas), forces, scale, residual)
-            except LooseBodyError as error:
+                last, found = self._iteration(k + 1, next(gammas), found)
+            except (LooseBodyError, NotANumberError) as error:
                 return self._ending("diverged", f"{error} in iteration {k + 1}")
             except np.linalg.LinAlgError as error:
                 return self._ending("stalled", f"{error} in iteration {k + 1}")
             except StopIteration:
                 return Termination("iteration limit", f"gamma ended after {k} values: {reached}")
             self.history.append(last)
-            self.snapshot = self._complete(self.ensemble.forces(self.state))
+            self.snapshot = self._complete(found.forces)
             if self._ranks.agree(observe(last)):
                 return Termination("stopped", f"as asked in iteration {k + 1}")
         return self._ending("iteration limit", f"{reached} after {k} iterations")
@@ -121,56 +154,114 @@ class Run:
 
     def _best_so_far(self, rule: StoppingCriterion) -> tuple[float, int]:
         """The smallest distance in the history, and after how many iterations it was reached."""
-        best, best_at, last = np.inf, 0, None
-        for done, record in enumerate(self.history):
-            distance = rule.distance(record.residual, last)
+        best, best_at = np.inf, 0
+        for record in self.history:
+            distance = rule.distance(record.residual, record)
             if distance < PROGRESS * best:
-                best, best_at = distance, done
-            last = record
+                best, best_at = distance, record.iteration
         return best, best_at
 
-    def _iteration(self, k: int, gamma: float | None, forces: Forces, scale: float, residual: float) -> Record:
-        """The iteration k (16), (25), and its record.
+    def _measured(self, state: State, forces: Forces | None = None) -> Measured:
+        """The forces at an iterate, their scale and the relative residual; NotANumberError where one is none."""
+        forces = self.ensemble.forces(state) if forces is None else forces
+        size = norm(forces.residual)
+        finite = math.isfinite(size) and math.isfinite(forces.size)
+        reason = self._ranks.any_says("" if finite else self._strange(state))
+        if reason:
+            raise NotANumberError(reason)
+        scale = self._scale(forces.size, size)
+        return Measured(forces, scale, self._ranks.agree(size / scale if scale > 0.0 else 0.0))
 
-        gamma: None where it is to be searched; forces, scale, residual: those of the present iterate, the residual
-        relative to the scale.
+    def _strange(self, state: State) -> str:
+        """What is no finite number at an iterate: a layer's stress, or else the displacements or forces."""
+        for interface, z in zip(self.ensemble.interfaces, state.gaps, strict=True):
+            stress = interface.contact.layer.contact_stress(z)
+            wrong = np.isfinite(z) & ~np.isfinite(stress)
+            if np.any(wrong):
+                at = int(np.argmax(wrong))
+                return _no_number(interface, f"stress {stress[at]:g} at the gap {z[at]:.6g}")
+        return "the displacements or forces are no finite numbers (their squares have to be)"
+
+    def _iteration(self, k: int, gamma: float | None, at: Measured) -> tuple[Record, Measured]:
+        """The iteration k (16), (25): its record, and the forces at the iterate that it ends with.
+
+        gamma: None where it is to be searched; at: the forces at the present iterate, which stays where the next one
+        would be no numbers.
         """
-        state, phi = self.state, self._coefficients()
-        energy = self.ensemble.energy(state, forces.elastic)
+        phi, forces = self._coefficients(), at.forces
         survive = gamma is None or self.anderson is not None
-        correction, phi, note = self._correction(phi, forces.residual, scale, survive)
+        correction, phi, note = self._correction(phi, forces.residual, at.scale, survive)
         length = self._search(correction, forces) if gamma is None else gamma
         if self.anderson is None:
             step = length * correction
         else:
-            step, restart = self._accelerated(correction, forces, length, energy)
+            step, restart = self._accelerated(correction, forces, length)
             note = ", ".join(filter(None, (note, restart)))
-        interfaces = self.ensemble.interfaces
-        contact = sum(float(i.weights @ (z < 0)) for i, z in zip(interfaces, state.gaps, strict=True))
-        step = self._ranks.agree(step)
-        self.state = self._moved(step)
-        return Record(
+        step, state, found = self._next(self._ranks.agree(step), survive)
+        record = Record(
             iteration=k,
             gamma=length,
-            change=self.ensemble.change(step, self.state.unknowns, self._at_nodes),
-            residual=residual,
-            energy=energy,
-            contact=contact,
+            change=self.ensemble.change(step, state.unknowns, self._at_nodes),
+            residual=found.residual,
+            energy=self._energy(state, found.forces),
+            contact=self._contact_area(state),
             phi_min=min(float(values.min()) for values in phi.values()),
             phi_max=max(float(values.max()) for values in phi.values()),
             body_solves=self._linear.body_solves,
             seconds=time.process_time() - self._began,
             note=", ".join(filter(None, (self._linear.note if k == 1 else "", note))),
         )
+        self.state = state
+        return record, found
+
+    def _next(self, step: Floats, guarded: bool) -> tuple[Floats, State, Measured]:
+        """The step, the iterate after it and its forces.
+
+        guarded: whether a shorter step will do where the forces would be no numbers, as at a law's pole.
+        """
+        for _ in range(SHORTER if guarded else 0):
+            state = self._moved(step)
+            try:
+                return step, state, self._measured(state)
+            except NotANumberError:
+                step = 0.5 * step
+        state = self._moved(step)
+        return step, state, self._measured(state)
+
+    def _contact_area(self, state: State) -> float:
+        """The area where z < 0."""
+        return sum(float(i.weights @ (z < 0)) for i, z in zip(self.ensemble.interfaces, state.gaps, strict=True))
+
+    def _energy(self, state: State, forces: Forces) -> float:
+        """F₁ at an iterate; NotANumberError, which names the layer, where it is no finite number."""
+        energy = self.ensemble.energy(state, forces.elastic)
+        reason = self._ranks.any_says("" if math.isfinite(energy) else self._strange_energy(state))
+        if reason:
+            raise NotANumberError(reason)
+        return energy
+
+    def _strange_energy(self, state: State) -> str:
+        """Whose energy is no finite number."""
+        for interface, z in zip(self.ensemble.interfaces, state.gaps, strict=True):
+            density = interface.contact.layer.energy(z)
+            if not np.all(np.isfinite(density)):
+                at = int(np.argmin(np.isfinite(density)))
+                return _no_number(interface, f"energy {density[at]:g} at the gap {z[at]:.6g}")
+        return "the energy is no finite number"
 
     def _coefficients(self) -> dict[int, Floats]:
-        """φ^k at the points of every interface."""
-        phi, state = {}, self.state
+        """φ^k at the points of every interface; NotANumberError where it is none."""
+        phi, state, reason = {}, self.state, ""
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
             values = self.scheme.phi(interface.contact.layer, z, before, interface.x.T)
-            # A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
-            phi[index] = np.minimum(values, 1e8 * self._stiffest[index])
+            phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
+            if not np.isfinite(phi[index].sum()):
+                at = int(np.argmin(np.isfinite(phi[index])))
+                reason = reason or _no_number(interface, f"coefficient φ {values[at]:g} at the gap {z[at]:.6g}")
+        reason = self._ranks.any_says(reason)
+        if reason:
+            raise NotANumberError(reason)
         return phi
 
     def _correction(
@@ -192,7 +283,7 @@ class Run:
     @cached_property
     def _escape(self) -> LooseBodyError | None:
         """What moves for ever where there is no equilibrium."""
-        return unbounded_motion(self.ensemble.load, self.ensemble.rigid)
+        return unbounded_motion(self.ensemble)
 
     def _softened(self, phi: dict[int, Floats], residual: Floats) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
@@ -207,12 +298,14 @@ class Run:
         soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
         return {index: np.maximum(values, np.minimum(soft, self._stiffest[index])) for index, values in phi.items()}
 
-    def _accelerated(self, correction: Floats, forces: Forces, gamma: float, energy: float) -> tuple[Floats, str]:
+    def _accelerated(self, correction: Floats, forces: Forces, gamma: float) -> tuple[Floats, str]:
         """Anderson's step, or the best plain one where that would raise the energy."""
+        energy = self.history[-1].energy if len(self.history) else self._energy(self.state, forces)
         step = self.anderson.step(self.state.unknowns, correction, gamma)
-        reached = self.ensemble.energy(self._moved(step))
-        # Near the solution energies differ by less than their own rounding.
-        if np.isfinite(reached) and reached <= energy + 1e-12 * abs(energy):
+        moved = self._moved(step)
+        reached = self.ensemble.energy(moved)
+        # Near the solution energies differ by less than their own rounding. At a law's pole energies may be finite.
+        if reached <= energy + 1e-12 * abs(energy) and math.isfinite(float(self.ensemble.tractions(moved).sum())):
             return step, ""
         self.anderson.restart()
         return self._search(correction, forces) * correction, "restarted: the energy would have risen"
@@ -221,13 +314,24 @@ class Run:
         """u^{k+1}, eqs. (23), (33), (37)."""
         unknowns = self.state.unknowns + step
         deformation = self.state.deformation + self.ensemble.deformation(step)
-        return State(unknowns, deformation, self.ensemble.gaps(unknowns), self.state.gaps)
+        return State(unknowns, deformation, self._gaps(step, unknowns), self.state.gaps)
 
-    def _scale(self, forces: Forces) -> float:
-        """The size of the forces at work: loads and contact forces, or the first residual where there are none."""
-        if forces.size > 0.0:
-            return forces.size
-        self._first_force = max(self._first_force, norm(forces.residual))
+    def _gaps(self, step: Floats, unknowns: Floats) -> list[Floats]:
+        """z^{k+1}, from z^k and the step: to the rounding of the step, where the displacements may be far larger.
+
+        Only a run that comes back from afar has rounded more on its way than the displacements that it comes to.
+        """
+        before, now = (float(np.abs(y).max(initial=0.0)) for y in (self.state.unknowns, unknowns))
+        if before > 2.0 * now:
+            return self.ensemble.gaps(unknowns)
+        moves = self.ensemble.by_interface(self.ensemble.closing @ step)
+        return [z - move for z, move in zip(self.state.gaps, moves, strict=True)]
+
+    def _scale(self, at_work: float, residual: float) -> float:
+        """The size of the forces at work, or the first residual where there are none."""
+        if at_work != 0.0:
+            return at_work
+        self._first_force = max(self._first_force, residual)
         return self._first_force
 
     def _search(self, correction: Floats, forces: Forces) -> float:
@@ -237,7 +341,8 @@ class Run:
         """
         descent = float(forces.residual @ correction)
         deformation = self.ensemble.deformation(correction)
-        elastic = float(deformation @ (self.ensemble.stiffness @ deformation))
+        answer = self.ensemble.elastic_forces(correction, deformation)
+        elastic = self.ensemble.elastic_work(correction, deformation, answer)
         moves = self.ensemble.closing @ correction
         works = moves * forces.tractions
         work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
@@ -254,15 +359,30 @@ class Run:
 
     def _bounded(self) -> bool:
         """Whether the displacements are finite and not absurd."""
-        return bool(np.abs(self.state.unknowns).max() < 100 * self._size)  # false also of what is not a number
+        # False also of what is not a number; true where supports hold all that the contacts touch.
+        return bool(np.abs(self.state.unknowns).max(initial=0.0) < self._furthest)
 
-    def _arrived(self, reason: str, residual: float) -> Termination:
-        """The end of a run that has met its rule; residual: ‖F₁'‖, not relative.
+    def _only_rounding(self, found: Measured) -> bool:
+        """Whether the residual of a run that stands still is small, and the rounding of its elastic forces.
+
+        A body that is bent a lot and pressed a little has elastic forces so large that they cancel no better.
+        """
+        parts = zip(self.ensemble.problems, self.ensemble.split(self.state.deformation), strict=True)
+        elastic = math.hypot(norm(self.ensemble.load), *(p.rigid.stiffness_scale * norm(d) for p, d in parts))
+        return found.residual <= SMALL and found.residual * found.scale <= ROUNDING * elastic
+
+    def _arrived(self, reason: str, found: Measured) -> Termination:
+        """The end of a run that has met its rule.
 
         Along a motion that lowers the energy for ever contact forces do no negative work. So the residual is at least
         what the loads do there, and a small one excludes such a motion; a coarse rule has to ask for it.
         """
-        if residual <= BALANCED * self.ensemble.load_size:
+        if not len(self.history):  # later iterates' energies are in their records
+            try:
+                self._energy(self.state, self.ensemble.forces(self.state))
+            except NotANumberError as error:
+                return Termination("diverged", f"{error} at the start")
+        if found.residual * found.scale <= BALANCED * self.ensemble.load_size:
             return Termination("converged", reason)
         return self._ending("converged", reason)
 
@@ -270,3 +390,8 @@ class Run:
         """The end of a run for this reason, unless there is a deeper one: no equilibrium."""
         way = self._escape
         return Termination(status, reason) if way is None else Termination("no equilibrium", str(way), way)
+
+
+def _no_number(interface: Interface, what: str) -> str:
+    """Which contact's layer gives what is no finite number."""
+    return f"contact {interface.contact.name!r}: its {type(interface.contact.layer).__name__} gives the {what}"

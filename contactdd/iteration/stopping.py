@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-
-import numpy as np
 
 from ..errors import LooseBodyError
 from ..history import Record
 
 #: What a measure has to fall to for the run to have come closer.
 PROGRESS = 0.99
+
+
+class NotANumberError(ArithmeticError):
+    """A force, an energy or a coefficient that is no finite number: no iterate to go on from, and never a solution."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +41,12 @@ class StoppingCriterion:
         A small change alone proves nothing: a small γ makes small steps from anywhere, and a body that drifts away
         makes them relatively small. So the residual must be what the change without its relaxation explains.
         """
+        if not math.isfinite(residual):  # nor does max() below tell
+            return math.inf
         if self.criterion == "residual":
             return residual / self.tolerance
-        if last is None:
-            return np.inf
+        if last is None or not math.isfinite(last.change):
+            return math.inf
         explained = min(self.EXPLAINED * self.tolerance / min(last.gamma, 1.0), self.LARGE)
         return max(last.change / self.tolerance, residual / explained)
 

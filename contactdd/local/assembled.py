@@ -95,7 +95,8 @@ class AssembledProblem:
         return operator @ self.dofs.displacement(y)
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
-        return self.dofs.fields(self.displacement(y), self.displacement(deformation))
+        moved = self.dofs.moved(self.rigid, y)
+        return self.dofs.fields(self.displacement(y), self.dofs.strained(deformation), moved)
 
 
 @dataclass

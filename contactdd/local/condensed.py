@@ -148,7 +148,11 @@ class CondensedProblem:
         return seen_from(self.dofs, self.kept, y, operator)
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
-        return self.dofs.fields(self.displacement(y), self.displacement(deformation))
+        moved, load = self.dofs.moved(self.rigid, y), self.dofs.free_load
+        if moved is not None:  # the inside gives way to the springs
+            load = load - self.dofs.free_forces(self.dofs.stiffness.spring_forces(moved))
+        strained = self.dofs.strained(self.condensation.recover(deformation, load))
+        return self.dofs.fields(self.displacement(y), strained, moved)
 
 
 def seen_from(dofs: DiscreteBody, kept: Indices, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:

@@ -16,7 +16,7 @@ from ..body import Body
 from .copies import loaded_alike
 from .forms import load_vector
 from .problem import Fields
-from .rigid import allowed_motions
+from .rigid import RigidMotions, allowed_motions
 from .space import admissible_space
 from .stiffness import Stiffness
 
@@ -65,17 +65,35 @@ class DiscreteBody:
     def refreshed(self) -> DiscreteBody:
         """The same body with its present loads and prescribed displacements; all matrices are shared."""
         other = copy(self)
-        other.space = replace(self.space, offset=admissible_space(self.body).offset)
+        now = admissible_space(self.body)
+        other.space = replace(self.space, offset=now.offset, carried=now.carried)
         other._set_loads()
         return other
 
     def _set_loads(self) -> None:
         """Set what follows from the loads and prescribed displacements."""
         self.load = load_vector(self.body)
-        offset = self.space.offset
-        prescribed = self.stiffness.forces(offset) if self.space.has_offset else np.zeros_like(offset)
-        self.free_load = self.space.restricted(self.load - prescribed)
-        self.constant = float(0.5 * offset @ prescribed - self.load @ offset)
+        self.free_load = self.space.restricted(self.load)
+        self.constant = 0.0
+        if self.space.has_offset:
+            prescribed, twice = self._prescribed_forces()
+            self.free_load = self.free_load - prescribed
+            self.constant = 0.5 * twice - float(self.load @ self.space.offset)
+
+    def _prescribed_forces(self) -> tuple[Floats, float]:
+        """The forces of u₀ (unknowns,) and their work on it; its rigid motion meets no force but that of springs."""
+        straining, offset = self.space.straining, self.space.offset
+        forces = self.stiffness.forces(straining)
+        work = float(straining @ forces)
+        modes = self.motions[0]
+        answer = np.zeros(modes.shape[1])  # the work of springs on the free motions: that of stresses is rounding
+        if self.stiffness.has_springs:
+            held = self.stiffness.spring_forces(offset - straining)
+            work += float(straining @ held + (offset - straining) @ self.stiffness.spring_forces(offset))
+            forces = forces + held
+            answer = modes.T @ self.space.restricted(self.stiffness.spring_forces(offset))
+        forces = self.space.restricted(forces)
+        return forces + modes @ (answer - modes.T @ forces), work
 
     @property
     def prescribed(self) -> bool:
@@ -83,7 +101,8 @@ class DiscreteBody:
 
     @property
     def load_size(self) -> float:
-        return float(np.linalg.norm(self.load.reshape(-1, self.body.mesh.dim).sum(axis=0)))
+        moving = self.space.extended(self.space.restricted(self.load))  # loads on what is held press nothing
+        return float(np.linalg.norm(moving.reshape(-1, self.body.mesh.dim).sum(axis=0)))
 
     def mirrored(self, signs: Floats) -> Floats:
         """The factors ±1 of the unknowns (unknowns,) if the displacement's components change by `signs` (dim,)."""
@@ -105,10 +124,27 @@ class DiscreteBody:
         """The unknowns of the admissible displacement closest to u."""
         return self.space.restricted(u - self.space.offset)
 
-    def fields(self, u: Floats, deformed: Floats) -> Fields:
-        """The body's solution of a displacement u whose part without rigid motions is `deformed`."""
+    def strained(self, deformation: Floats) -> Floats:
+        """All degrees of freedom of a displacement without rigid motions; deformation: (unknowns,)."""
+        return self.space.extended(deformation) + self.space.straining
+
+    def moved(self, rigid: RigidMotions, y: Floats) -> Floats | None:
+        """The free rigid motion (dofs,) in the unknowns of a problem, None where no spring would answer it."""
+        if not self.stiffness.has_springs:
+            return None
+        return self.rigid_displacements(rigid.owners[0].coefficients @ (rigid.modes.T @ y))
+
+    def fields(self, u: Floats, deformed: Floats, moved: Floats | None) -> Fields:
+        """The body's solution of a displacement u whose part without rigid motions is `deformed`.
+
+        moved: The free rigid motion that springs answer, None without springs.
+        """
         elastic = self.stiffness.forces(deformed)
-        return Fields(u, elastic, self.stiffness.spring_forces(u), 0.5 * float(deformed @ elastic))
+        if moved is None:
+            return Fields(u, elastic, np.zeros_like(u), 0.5 * float(deformed @ elastic))
+        moved = moved if self.space.carried is None else moved + self.space.carried
+        elastic, springs = elastic + self.stiffness.spring_forces(moved), self.stiffness.spring_forces(u)
+        return Fields(u, elastic, springs, 0.5 * float(deformed @ elastic + moved @ springs))
 
     def free_forces(self, forces: Floats) -> Floats:
         return self.space.restricted(forces)
@@ -121,8 +157,3 @@ class DiscreteBody:
 
     def rigid_displacements(self, coefficients: Floats) -> Floats:
         return self.body.rigid_modes() @ coefficients
-
-    def carried(self) -> Floats:
-        modes = self.body.rigid_modes()
-        *prevented, prescribed = self.space.prevented(np.column_stack([modes, self.space.offset])).T
-        return modes @ np.linalg.lstsq(np.transpose(prevented), prescribed, rcond=1e-10)[0]

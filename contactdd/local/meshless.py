@@ -55,9 +55,6 @@ class MeshlessDofs:
         modes, own = self.body.rigid_motions()
         return modes @ np.linalg.lstsq(own, coefficients, rcond=None)[0]
 
-    def carried(self) -> Floats:
-        return self.space.offset
-
 
 class MeshlessProblem:
     """The local problem of a body without a mesh: its stiffness between the free degrees of freedom."""

@@ -94,7 +94,8 @@ class MultigridProblem:
         return operator @ self.dofs.displacement(y)
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
-        return self.dofs.fields(self.displacement(y), self.displacement(deformation))
+        moved = self.dofs.moved(self.rigid, y)
+        return self.dofs.fields(self.displacement(y), self.dofs.strained(deformation), moved)
 
 
 @dataclass
@@ -172,7 +173,9 @@ class Multigrid:
         arrays = (full.indptr.astype(PETSc.IntType), full.indices.astype(PETSc.IntType), full.data)
         self._matrix = PETSc.Mat().createAIJ(full.shape, bsize=dim, csr=arrays, comm=PETSc.COMM_SELF)
         self._matrix.setOption(PETSc.Mat.Option.SPD, True)
-        orthonormal = np.linalg.qr(dofs.body.rigid_modes())[0]
+        body = dofs.body
+        motions = body.kinematics.mesh_motions(body.space.tabulate_dof_coordinates())
+        orthonormal = np.linalg.qr(motions.reshape(-1, motions.shape[2]))[0]
         vectors = [PETSc.Vec().createWithArray(column.copy(), comm=PETSc.COMM_SELF) for column in orthonormal.T]
         self._matrix.setNearNullSpace(PETSc.NullSpace().create(vectors=vectors, comm=PETSc.COMM_SELF))
         self._pc = PETSc.PC().create(PETSc.COMM_SELF)

@@ -105,10 +105,6 @@ class BodyDofs(Protocol):
         """The displacements (dofs, n) of rigid motions given by coefficients (motions, n)."""
         ...
 
-    def carried(self) -> Floats:
-        """The displacement (dofs,) of the rigid motion that the prescribed displacements carry the body along with."""
-        ...
-
 
 class LocalProblem(Protocol):
     """How one body is solved: what every local solver makes, and all that the rest of the package knows of a body."""

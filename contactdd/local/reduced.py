@@ -123,7 +123,9 @@ class ReducedProblem:
         return operator @ self.displacement(y)
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
-        return self.dofs.discrete.fields(self.displacement(y), self.displacement(deformation))
+        discrete = self.dofs.discrete
+        moved = discrete.moved(self.rigid, y)
+        return discrete.fields(self.displacement(y), discrete.strained(self._basis @ deformation), moved)
 
 
 class ReducedDofs:
@@ -156,9 +158,6 @@ class ReducedDofs:
 
     def rigid_displacements(self, coefficients: Floats) -> Floats:
         return self.discrete.rigid_displacements(coefficients)
-
-    def carried(self) -> Floats:
-        return self.discrete.carried()
 
 
 def _admissible(space: AdmissibleSpace, basis: Floats) -> Floats:

@@ -136,11 +136,11 @@ class RigidMotions:
         ends = np.cumsum([owner.coefficients.shape[1] for owner in self.owners])
         return np.split(coefficients, ends[:-1])
 
-    def loose(self, motion: Floats) -> LooseBodyError:
-        """The error that names the body which a motion (coefficients) moves most, and how."""
+    def loose(self, motion: Floats, advice: str = "") -> LooseBodyError:
+        """The error that names the body which a motion (coefficients) moves most, and how; advice: ends its message."""
         pairs = zip(self.owners, self.by_owner(motion), strict=True)
         owner, part = max(pairs, key=lambda pair: float(np.linalg.norm(pair[1])))
-        return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part))
+        return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part), advice)
 
 
 def _smallest(matrix: Floats) -> float:

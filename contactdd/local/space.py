@@ -6,7 +6,7 @@ Z has orthonormal columns. Mostly it only selects the free degrees of freedom; w
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -24,17 +24,26 @@ if TYPE_CHECKING:
 SMALL = 2**14
 
 
+#: Prescribed displacements that differ from a rigid motion by no more than this part of them are one: the rounding of a
+#: least-squares fit, and of functions that users write.
+RIGID = 1e-13
+
+
 @dataclass(frozen=True)
 class AdmissibleSpace:
     """u = Z y + u₀.
 
     offset: (dofs,) u₀; free: (unknowns,) the degrees of freedom that Z selects, in order, or None where it mixes some;
-    mixing: then Z itself, (dofs, unknowns).
+    mixing: then Z itself, (dofs, unknowns); carried: (dofs,) the rigid motion in u₀, None where nothing is prescribed.
+
+    u₀ is what is prescribed, and a rigid motion elsewhere: the one that comes closest to what is prescribed. It meets
+    no elastic force, and y does not have to make up for it.
     """
 
     offset: Floats
     free: Indices | None
     mixing: scipy.sparse.csr_matrix | None = None
+    carried: Floats | None = None
 
     @property
     def free_dofs(self) -> Indices:
@@ -66,6 +75,11 @@ class AdmissibleSpace:
     def has_offset(self) -> bool:
         """Whether anything else than zero is prescribed."""
         return bool(np.any(self.offset))
+
+    @property
+    def straining(self) -> Floats:
+        """The part of u₀ that is no rigid motion, (dofs,)."""
+        return self.offset if self.carried is None else self.offset - self.carried
 
     def extended(self, y: Floats) -> Floats:
         """Z y, (dofs,) or (dofs, n)."""
@@ -157,9 +171,22 @@ def admissible_space(body: Body) -> AdmissibleSpace:
                 tilted.setdefault(int(node), []).append((direction, float(value)))
     _refuse_open_axis(body, fixed)
     if not tilted:
-        return AdmissibleSpace(offset.ravel(), np.flatnonzero(~fixed))
+        return _carried_along(body, AdmissibleSpace(offset.ravel(), np.flatnonzero(~fixed)))
     blocks = {node: _node_space(body, fixed[node], offset[node], rows) for node, rows in tilted.items()}
-    return AdmissibleSpace(offset.ravel(), None, _assemble(fixed, blocks))
+    return _carried_along(body, AdmissibleSpace(offset.ravel(), None, _assemble(fixed, blocks)))
+
+
+def _carried_along(body: Body, space: AdmissibleSpace) -> AdmissibleSpace:
+    """The same displacements, u₀ with the rigid motion closest to what is prescribed (least squares)."""
+    if not space.has_offset:
+        return space
+    modes = body.rigid_modes()
+    *prevented, prescribed = space.prevented(np.column_stack([modes, space.offset])).T
+    carried = modes @ np.linalg.lstsq(np.transpose(prevented), prescribed, rcond=1e-10)[0]
+    offset = space.offset + space.extended(space.restricted(carried))
+    if np.abs(offset - carried).max() <= RIGID * np.abs(offset).max():
+        carried = offset  # what is left would only be the rounding of the fit
+    return replace(space, offset=offset, carried=carried)
 
 
 def _node_space(body: Body, fixed: NDArray[np.bool_], offset: Floats, rows: list[tuple[Floats, float]]) -> Floats:

@@ -80,16 +80,18 @@ class Ensemble:
         self.size = self.parts[-1].stop
         self.weights = np.concatenate([interface.weights for interface in interfaces])
         self.load = np.concatenate([problem.load for problem in problems])
-        self.load_size = norm(self.load)
+        self.load_size = math.sqrt(sum(norm(p.dofs.free_forces(p.dofs.load)) ** 2 for p in problems))
         self.dense = self.size <= LARGEST_DENSE and all(isinstance(p.stiffness, np.ndarray) for p in problems)
         self.stiffness = self._along_diagonal([problem.stiffness for problem in problems])
         self.closing = self._closing()
         self._opening = self.closing.T
         self._open = self._undeformed_gaps()
-        floating = [p.rigid.modes if p.rigid.floating else np.zeros((p.size, 0)) for p in problems]
-        self._floats = any(modes.shape[1] for modes in floating)
-        self._motions = self._along_diagonal(floating)
+        motions = [p.rigid for p in problems]
+        self._moves = any(each.modes.shape[1] for each in motions)
+        self._motions = self._along_diagonal([each.modes for each in motions])
         self._onto_motions = self._motions.T
+        self._sprung = any(np.any(each.springs) for each in motions)
+        self._springs = self._along_diagonal([each.springs for each in motions]) if self._sprung else None
         self._constant = sum(problem.constant for problem in problems)
 
     @cached_property
@@ -110,15 +112,33 @@ class Ensemble:
         return self.by_interface(self._open - self.closing @ y)
 
     def deformation(self, y: Floats) -> Floats:
-        """y without the rigid motions of floating bodies: what elastic forces come from."""
-        return y - self._motions @ (self._onto_motions @ y) if self._floats else y
+        """y without the bodies' free rigid motions: what stresses come from."""
+        return y - self._motions @ (self._onto_motions @ y) if self._moves else y
+
+    def elastic_forces(self, y: Floats, deformation: Floats) -> Floats:
+        """A y: of the deformation, and of the springs that answer a rigid motion. (unknowns,) or (unknowns, n)."""
+        forces = self.stiffness @ deformation
+        return forces + self._springs @ (self._onto_motions @ y) if self._sprung else forces
+
+    def elastic_work(self, y: Floats, deformation: Floats, forces: Floats) -> float:
+        """A(y, y), forces: A y. Stresses do no work on a rigid motion, whatever their rounding would do."""
+        work = float(deformation @ forces)
+        return work + float((self._onto_motions @ y) @ (self._springs.T @ y)) if self._sprung else work
 
     def forces(self, state: State) -> Forces:
         """−F₁' at an iterate, and what it is made of."""
         tractions = self.tractions(state)
         contact = self._opening @ tractions
-        elastic = self.stiffness @ state.deformation
-        return Forces(tractions, elastic, self.load + contact - elastic, math.hypot(self.load_size, norm(contact)))
+        elastic = self.elastic_forces(state.unknowns, state.deformation)
+        return Forces(tractions, elastic, self.load + contact - elastic, self.at_work(norm(contact)))
+
+    def at_work(self, contact: float) -> float:
+        """The size of the forces at work, √(‖loads‖² + ‖contact forces‖²) on what is not prescribed.
+
+        Where there are neither: of the forces that prescribed displacements cause. contact: ‖contact forces‖.
+        """
+        size = math.hypot(self.load_size, contact)
+        return norm(self.load) if size == 0.0 else size
 
     def tractions(self, state: State) -> Floats:
         """The contact stresses g⁻(z) times the areas, at all points."""
@@ -127,8 +147,9 @@ class Ensemble:
 
     def energy(self, state: State, elastic: Floats | None = None) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); elastic: the elastic forces, where they are known."""
-        forces = self.stiffness @ state.deformation if elastic is None else elastic
-        bodies = float(0.5 * state.deformation @ forces - self.load @ state.unknowns) + self._constant
+        y, deformation = state.unknowns, state.deformation
+        forces = self.elastic_forces(y, deformation) if elastic is None else elastic
+        bodies = 0.5 * self.elastic_work(y, deformation, forces) - float(self.load @ y) + self._constant
         return bodies + self.layer_energy(state)
 
     def layer_energy(self, state: State) -> float:
@@ -143,7 +164,7 @@ class Ensemble:
         """
         closed = self.closing @ y
         at_points = (self.weights * self.at_all_points(phi) * closed.T).T
-        return self.stiffness @ self.deformation(y) + self._opening @ at_points
+        return self.elastic_forces(y, self.deformation(y)) + self._opening @ at_points
 
     def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
         """A coefficient that is given by interface, at all points."""
@@ -155,7 +176,8 @@ class Ensemble:
         u_n = trace @ np.column_stack([step, y])
         u_n[:, 1] += offset
         moved, size = np.sqrt(np.add.reduceat(u_n * u_n, starts)).T.tolist()
-        return max(m / s if s > 0.0 else float(m > 0.0) for m, s in zip(moved, size, strict=True))
+        parts = [m / s if s != 0.0 else float(m != 0.0) for m, s in zip(moved, size, strict=True)]
+        return max(parts) if all(map(math.isfinite, parts)) else math.nan  # max() passes over what is not a number
 
     @cached_property
     def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:

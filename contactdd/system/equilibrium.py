@@ -11,26 +11,46 @@ import scipy
 
 from ..base.arrays import Floats
 from ..errors import LooseBodyError
-from ..local.rigid import RigidMotions
+from ..interface.discretise import Interface, discretise
+from .ensemble import Ensemble
 
 #: Loads that are in balance cancel to rounding; this part of them leaves room for that and for no real load.
 BALANCED = 1e-9
 
 
-def unbounded_motion(loads: Floats, motions: RigidMotions) -> LooseBodyError | None:
-    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion.
+#: The degree of Gauss points whose outermost lie within 0.6 % of a facet's length from its end.
+NEAR_EDGES = 30
 
-    loads: on the unknowns of all bodies, motions: their free rigid motions.
-    """
+
+#: What a user can do where the loads' resultant passes between the outermost integration points and the edge.
+AT_THE_EDGE = (
+    "; the load lies so near the contact's edge that no integration point is as far out: expected a larger "
+    "quadrature_degree of the contact, or a finer mesh at its edge"
+)
+
+
+def unbounded_motion(ensemble: Ensemble) -> LooseBodyError | None:
+    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion."""
+    motions = ensemble.rigid
     count = motions.modes.shape[1]
-    if count == 0:
+    if count == 0 or ensemble.load_size == 0.0:
         return None
     # Motions that springs resist are no way out.
     free = scipy.linalg.null_space(motions.elastic, rcond=1e-12) if np.any(motions.elastic) else np.eye(count)
-    work = free.T @ motions.modes.T @ loads
-    if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * np.linalg.norm(loads):
+    work = free.T @ _work_of_loads(ensemble)
+    if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * ensemble.load_size:
         return None
     closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
+    motion = _way_out(work, closes)
+    if motion is None:
+        return None
+    # The outermost integration points lie inside of the outermost facets: the contact's edge is not among them.
+    at_the_edge = _way_out(work, np.vstack([_rows_near_edges(ensemble, i) for i in ensemble.interfaces]) @ free) is None
+    return motions.loose(free @ motion, AT_THE_EDGE if at_the_edge else "")
+
+
+def _way_out(work: Floats, closes: Floats) -> Floats | None:
+    """A motion on which the loads do work (motions,) and that closes no gap (points, motions), or None."""
     work, closes = work / np.abs(work).max(), closes / np.abs(closes).max(initial=np.finfo(float).tiny)
     # Mostly some pressures balance the loads, which is cheaper to see.
     if scipy.optimize.nnls(closes.T, work)[1] < 1e-10:
@@ -40,7 +60,27 @@ def unbounded_motion(loads: Floats, motions: RigidMotions) -> LooseBodyError | N
     # The programme is solved to about 1e-7; a load that nothing balances does work of the order of one.
     if not found.success or -found.fun < 1e-6:
         return None
-    return motions.loose(free @ _least_motion(work, closes, found.x))
+    return _least_motion(work, closes, found.x)
+
+
+def _rows_near_edges(ensemble: Ensemble, interface: Interface) -> Floats:
+    """√weight times what the free rigid motions close at points very near the facets' edges, (points, motions)."""
+    bodies = tuple(side.body for side in interface.sides)
+    fine = discretise(interface.contact.resampled(NEAR_EDGES), bodies, interface.facets)
+    owners = ensemble.rigid.owners
+    parts = [np.zeros((len(fine.weights), owner.coefficients.shape[1])) for owner in owners]
+    for side in fine.sides:
+        modes = ensemble.problems[side.body].dofs.rigid_displacements(owners[side.body].coefficients)
+        parts[side.body] = parts[side.body] + side.trace @ modes
+    return np.sqrt(fine.weights)[:, None] * np.hstack(parts)
+
+
+def _work_of_loads(ensemble: Ensemble) -> Floats:
+    """The work of the loads on the bodies' free rigid motions, (motions,); stresses and what is prescribed do none."""
+    parts = []
+    for problem, owner in zip(ensemble.problems, ensemble.rigid.owners, strict=True):
+        parts.append(problem.dofs.rigid_displacements(owner.coefficients).T @ problem.dofs.load)
+    return np.concatenate(parts)
 
 
 def _least_motion(work: Floats, closes: Floats, motion: Floats) -> Floats:

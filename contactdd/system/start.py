@@ -50,7 +50,7 @@ def from_contacts(ensemble: Ensemble, ranks: Ranks, u_n: Given, previous: Given 
 
 
 def undeformed(ensemble: Ensemble) -> State:
-    """No displacement but the prescribed ones."""
+    """No displacement but the prescribed ones, and the rigid motions along which they carry their bodies."""
     return _state(ensemble, [np.zeros(ensemble.size)])
 
 
@@ -65,15 +65,14 @@ def together(ensemble: Ensemble) -> State:
     prescribed = any(problem.dofs.prescribed for problem in ensemble.problems)
     if not np.any(floating) or not (prescribed or np.any(compressions)):
         return undeformed(ensemble)
-    carried = np.concatenate([_carried(problem) for problem in ensemble.problems])
-    contacts = list(zip(ensemble.interfaces, ensemble.gaps(carried), compressions, strict=True))
+    contacts = list(zip(ensemble.interfaces, ensemble.gaps(np.zeros(ensemble.size)), compressions, strict=True))
     wanted = np.concatenate([np.sqrt(i.weights) * (z.min() - w) for i, z, w in contacts])
     closing = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
 
     def moved(stiffnesses: Floats) -> State:
         roots = np.sqrt(np.repeat(stiffnesses, [len(z) for _, z, _ in contacts]))
         coefficients = np.linalg.lstsq(roots[:, None] * closing, roots * wanted, rcond=1e-10)[0]
-        return _state(ensemble, [carried + motions.modes[:, floating] @ coefficients])
+        return _state(ensemble, [motions.modes[:, floating] @ coefficients])
 
     state = moved(np.ones(len(contacts)))
     for _ in range(SECANTS if prescribed else 0):
@@ -86,11 +85,28 @@ def closed(ensemble: Ensemble, ranks: Ranks) -> State:
 
     Bodies that float need such a start: with all contacts open nothing would hold them.
     """
+    if any(problem.dofs.prescribed for problem in ensemble.problems):
+        return _closed_where_carried(ensemble, ranks)
     given = {
         index: np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
         for index, (interface, w) in enumerate(zip(ensemble.interfaces, _compressions(ensemble), strict=True))
     }
     return _state(ensemble, ranks.each(lambda index: ensemble.problems[index].start(given)))
+
+
+def _closed_where_carried(ensemble: Ensemble, ranks: Ranks) -> State:
+    """The same from where prescribed displacements carry the bodies, or press them closer."""
+    there, compressions = together(ensemble), _compressions(ensemble)
+    approach = [max(0.5 * (float(z.min()) - w), 0.0) for z, w in zip(there.gaps, compressions, strict=True)]
+    parts = ensemble.split(there.unknowns)
+
+    def of(index: int) -> Floats:
+        traces = ensemble.problems[index].traces
+        return ensemble.problems[index].start(
+            {t.interface: t.trace @ parts[index] + t.offset + approach[t.interface] for t in traces}
+        )
+
+    return _state(ensemble, ranks.each(of))
 
 
 def _at_points(name: str, value: Given, interface: Interface) -> Floats:
@@ -108,11 +124,6 @@ def _mean_contact_stress(ensemble: Ensemble, problem: LocalProblem) -> float:
     """The resultant of a body's loads over the area of its contacts."""
     area = sum(float(ensemble.interfaces[port.interface].weights.sum()) for port in problem.traces)
     return problem.dofs.load_size / area
-
-
-def _carried(problem: LocalProblem) -> Floats:
-    """The unknowns of a body that what is prescribed on it carries along, as far as it can, as if it were rigid."""
-    return problem.restrict(problem.dofs.carried()) if problem.dofs.prescribed else np.zeros(problem.size)
 
 
 def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:

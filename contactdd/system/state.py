@@ -15,9 +15,9 @@ Phi = Mapping[int, Floats]
 class State:
     """An iterate.
 
-    unknowns: (unknowns,) of all bodies; deformation: (unknowns,) the same without the rigid motions of floating bodies,
-    which may be so much larger that their rounding alone would look like a force; gaps, previous_gaps: z^k, z^{k−1} of
-    every interface.
+    unknowns: (unknowns,) of all bodies, beside what is prescribed and carried along; deformation: (unknowns,) the same
+    without the bodies' free rigid motions, which may be so much larger that their rounding alone would look like a
+    force; gaps, previous_gaps: z^k, z^{k−1} of every interface.
     """
 
     unknowns: Floats

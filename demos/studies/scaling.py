@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 import ranks
 from matplotlib.figure import Figure
-from meter import forget_peak, peak_mb
-from report import Report
+from peak_memory import forget_peak, peak_mb
+from results import Report
 
 import contactdd as cd
 
@@ -116,7 +116,7 @@ def case(kind: str, size: int, method: str) -> dict[str, Any]:
 def measured(kind: str, size: int, method: str) -> dict[str, Any]:
     """One measurement in a process of its own."""
     here = Path(__file__)
-    paths = [str(here.parents[1]), os.environ.get("PYTHONPATH", "")]
+    paths = [str(here.parents[2]), os.environ.get("PYTHONPATH", "")]
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
     done = subprocess.run(
         [sys.executable, str(here), "--case", kind, str(size), method],

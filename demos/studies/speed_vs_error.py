@@ -23,7 +23,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.figure import Figure
 from peers.problem import Grid, graded, uniform
-from report import Report
+from results import Report
 
 import contactdd as cd
 
@@ -127,7 +127,7 @@ def measure(package: str, way: str, case: Case) -> dict[str, Any]:
         "y": case.grid.y.tolist(),
     }
     here = Path(__file__).parent
-    paths = [str(here), str(here.parent), os.environ.get("PYTHONPATH", "")]
+    paths = [str(here), str(here.parents[1]), os.environ.get("PYTHONPATH", "")]
     threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     done = subprocess.run(
         [sys.executable, "-m", "peers.measure", json.dumps(question)],

@@ -14,7 +14,7 @@ from dataclasses import asdict, dataclass
 import numpy as np
 from hard_scenes import Case, all_cases, two_blocks
 from matplotlib.figure import Figure
-from report import Report
+from results import Report
 
 import contactdd as cd
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from mpi4py import MPI
-from report import Report
+from results import Report
 
 import contactdd as cd
 
@@ -66,7 +66,7 @@ def measured(ranks: int, size: int) -> dict[str, Any]:
     here = Path(__file__)
     beside = str(Path(sys.executable).parent)
     mpirun = shutil.which("mpirun", path=os.pathsep.join([beside, os.environ["PATH"]]))
-    env = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(here.parents[1])}
+    env = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONPATH": str(here.parents[2])}
     command = [mpirun, "-n", str(ranks), sys.executable, str(here), "--case", str(size)]
     done = subprocess.run(command, env=env, check=True, stdout=subprocess.PIPE, text=True)
     return json.loads(done.stdout.splitlines()[-1])

@@ -16,7 +16,7 @@ from hard_scenes import NU, SIDES, E, stack, two_blocks
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
-from report import Report
+from results import Report
 
 import contactdd as cd
 from contactdd.system.ensemble import Ensemble

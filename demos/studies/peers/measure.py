@@ -8,7 +8,7 @@ import sys
 import time
 
 import numpy as np
-from meter import forget_peak, peak_mb
+from peak_memory import forget_peak, peak_mb
 
 from . import problem
 
