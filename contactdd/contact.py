@@ -28,7 +28,8 @@ class Contact:
 
     Args:
         first, second: (body, surface name), or a body without a mesh.
-        layer: The law w ↦ σ_n of both surfaces' layers together, or `HardContact()` where there is none.
+        layer: The law w ↦ σ_n of both surfaces' layers together, which begins where the gap is the layer's clearance, 0
+            for most: all gaps of a solution count from there; or `HardContact()` where there is none.
         gap: d(x) in addition to the distance of the two meshes (length), negative for an interference: a number, a
             `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway between the
             surfaces where their meshes do not match.
@@ -108,6 +109,11 @@ class Contact:
         other = copy(self)
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
+
+    def at(self, x: np.ndarray) -> Contact:
+        """The same contact with the layer that it has at the points x (dim, n); itself, where that doesn't vary."""
+        layer = self.layer.at(x)
+        return self if layer is self.layer else self.with_layer(layer)
 
     def with_layer(self, layer: Layer | HardContact) -> Contact:
         """The same contact with another layer.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -121,6 +122,12 @@ class Solution:
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
         return _contact_result(interface, gaps, pressure, ratio, wavers)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the result has to know: where a layer is compressed further than its law is known."""
+        found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
+        return tuple(note for note in found if note)
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
         """Pressure, gap and status of a contact facet by facet.
@@ -437,6 +444,7 @@ class Solution:
         lines = [f"Solution by {self.method!r}: {self.status} ({self.reason})"]
         for contact in self.scene.contacts:
             lines.append(f"  {contact.name}: {self.contact(contact)!r}")
+        lines += [f"  {note}" for note in self.notes]
         lines.append(
             f"  energy F₁ {self.energy:.8g}, weak residual {self.residual:.1e}, imbalance {self.imbalance:.1e}"
         )
@@ -513,6 +521,23 @@ class Solution:
         raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
 
 
+def _passed(interface: Interface, gaps: Floats) -> str:
+    """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
+    contact, limit = interface.contact, interface.contact.layer.compression_limit
+    if limit is math.inf:
+        return ""
+    limit = np.broadcast_to(limit, gaps.shape)
+    beyond = -gaps > limit * (1 + 1e-9)  # at the last point itself rounding tells nothing
+    if not np.any(beyond):
+        return ""
+    worst = int(np.argmax(np.where(beyond, -gaps / limit, 0.0)))
+    share = float(interface.weights @ beyond) / float(interface.weights.sum())
+    return (
+        f"contact {contact.name!r}: on {share:.2g} of its area the layer is compressed further than its law is known, "
+        f"to {-gaps[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
+    )
+
+
 def typed(name: str) -> str:
     """A contact's name as a keyboard has it: the dash between two bodies' names as a hyphen."""
     return name.replace("–", "-")
@@ -559,5 +584,5 @@ def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> fl
     """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
     pressing = pressure > 0.0
     shares = interface.weights[pressing] * pressure[pressing]
-    stiffness = interface.contact.layer.contact_derivative(gaps[pressing])
+    stiffness = interface.contact.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
     return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

@@ -16,7 +16,7 @@ import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
 from .base.ranks import Ranks
-from .errors import ContactWarning, NoEquilibriumError, NotConvergedError
+from .errors import ContactWarning, LayerRangeWarning, NoEquilibriumError, NotConvergedError
 from .hard_contact import HardContact
 from .history import Record
 from .iteration.augmented import AugmentedRun
@@ -106,6 +106,8 @@ def solve(
         it is there.
     time_limit: seconds after which the run stops with the status "stopped".
 
+    Warns (`LayerRangeWarning`) where a layer is compressed further than its law is known.
+
     Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
     CheckpointError for a checkpoint that is damaged or of another run, ValueError for one of hard contacts.
     """
@@ -150,6 +152,7 @@ def solve(
         ending = run.iterate(relaxation, rule, observe)
     solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
     _warn_of_facets(solution)
+    _warn_of_notes(solution)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
         if ending.escape is not None:
             raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution, ending.escape.advice)
@@ -177,6 +180,13 @@ def _warn_of_facets(solution: Solution) -> None:
                     ContactWarning,
                     stacklevel=3,
                 )
+
+
+def _warn_of_notes(solution: Solution) -> None:
+    """Warn where a layer is compressed further than its law is known."""
+    if solution.converged and solution.scene.ranks.comm.rank == 0:
+        for note in solution.notes:
+            warnings.warn(note, LayerRangeWarning, stacklevel=3)
 
 
 def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> StoppingCriterion:

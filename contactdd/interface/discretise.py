@@ -83,6 +83,10 @@ class Interface:
     gathered: scipy.sparse.csr_matrix | None = None
     doubt: Floats | None = None
 
+    def __post_init__(self) -> None:
+        # However the interface came about: its layer is the one at its points. One that varies nowhere is itself.
+        object.__setattr__(self, "contact", self.contact.at(self.x.T))
+
     @cached_property
     def functions(self) -> LinearFunctions:
         """The linear functions of the nodes of one surface."""
@@ -116,8 +120,8 @@ class Interface:
 
     @cached_property
     def gap(self) -> Floats:
-        """d at the points, (n,)."""
-        return self.measured + self.shape
+        """d at the points, (n,), counted from where the layer begins."""
+        return self.measured + self.shape - self.contact.layer.clearance
 
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""

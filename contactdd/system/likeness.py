@@ -15,7 +15,7 @@ from dolfinx import fem
 from ..base.facets import surface_points
 from ..body import Body
 from ..hard_contact import HardContact
-from ..layer import CustomLayer, Layer
+from ..layer import Layer
 from ..meshless import MeshlessBody
 from ..parameter import current
 from ..scene import Scene
@@ -67,7 +67,7 @@ def _told(scene: Scene, settings: Mapping[str, Any]) -> Iterator[Told]:
         yield f"contact {contact.name!r}, points", _measure(np.hstack([interface.x, interface.weights[:, None]]))
         yield f"contact {contact.name!r}, gap", _measure(interface.gap)
         yield f"contact {contact.name!r}, layer", _text(contact.layer)
-        yield f"contact {contact.name!r}, law of the layer", _of_layer(contact.layer, contact.reach)
+        yield f"contact {contact.name!r}, law of the layer", _of_layer(interface.contact.layer, contact.reach)
 
 
 def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:
@@ -123,11 +123,11 @@ def _of_layer(layer: Layer | HardContact, reach: float) -> tuple[float, float] |
     """The stresses of a law, to be compared where its text does not give it: within what it is made for."""
     if isinstance(layer, HardContact):
         return None
-    if isinstance(layer, CustomLayer):
+    if hasattr(layer, "compression_range"):
         return _measure(layer.contact_stress(-layer.compression_range * np.logspace(-6, 0, 7)))
     try:
         with np.errstate(all="ignore"):
-            return _measure(layer.contact_stress(-reach * np.logspace(-9, -4, 6)))
+            return _measure(layer.contact_stress(-reach * np.logspace(-9, -4, 6)[:, None]))
     except Exception:  # beyond what a law is defined for; it is not asked for its range
         return None
 

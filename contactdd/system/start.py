@@ -126,7 +126,7 @@ def _at_points(name: str, value: Given, interface: Interface) -> Floats:
 def _compressions(ensemble: Ensemble) -> list[float]:
     """w of every contact under the largest mean load of a body."""
     stress = max(_mean_contact_stress(ensemble, problem) for problem in ensemble.problems)
-    return [float(interface.contact.layer.compression(-stress)) for interface in ensemble.interfaces]
+    return [float(np.mean(interface.contact.layer.compression(-stress))) for interface in ensemble.interfaces]
 
 
 def _mean_contact_stress(ensemble: Ensemble, problem: LocalProblem) -> float:
@@ -141,7 +141,7 @@ def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:
     if not np.any(depths):
         return np.ones(len(depths))
     layers = [interface.contact.layer for interface in ensemble.interfaces]
-    pressures = np.array([-float(layer.contact_stress(-w)) for layer, w in zip(layers, depths, strict=True)])
+    pressures = np.array([-float(np.mean(law.contact_stress(-w))) for law, w in zip(layers, depths, strict=True)])
     typical = np.full(len(depths), pressures.max() / depths.max())
     secants = np.divide(pressures, depths, out=typical, where=depths > 0.0)
     return np.maximum(secants, 1e-12 * secants.max())
