@@ -112,8 +112,10 @@ class Contact:
 
     def at(self, x: np.ndarray) -> Contact:
         """The same contact with the layer that it has at the points x (dim, n); itself, where that doesn't vary."""
+        if isinstance(self.layer, HardContact):
+            return self
         layer = self.layer.at(x)
-        return self if layer is self.layer else self.with_layer(layer)
+        return self if layer is self.layer else self.with_law(layer)
 
     def with_layer(self, layer: Layer | HardContact) -> Contact:
         """The same contact with another layer.
