@@ -110,7 +110,7 @@ class ContactResult:
         if self.force == 0.0:
             return np.full(self.x.shape[1], np.nan)
         centre = (self.weights * self.pressure) @ self.x / self.force
-        return centre * [0.0, 1.0] if self.ring else centre
+        return centre * np.array([0.0, 1.0]) if self.ring else centre
 
     def moment(self, about: ArrayLike = 0.0) -> float | Floats:
         """The moment −∫ (x − x₀) × n p ds of the contact pressure on the first body about a point.
@@ -240,7 +240,7 @@ class ContactResult:
         """Values interpolated along the curve, each of its pieces by itself."""
         place, piece, _ = self._curve.locate(points)
         own, own_piece, _ = self._curve.locate(self.x)
-        found = {name: np.zeros(len(points)) for name in values}
+        found: dict[str, Floats] = {name: np.zeros(len(points)) for name in values}
         for chain in np.unique(piece):
             order = np.flatnonzero(own_piece == chain)
             order = order[np.argsort(own[order], kind="stable")]

@@ -8,7 +8,7 @@ import basix
 import numpy as np
 from dolfinx import cpp, fem, geometry
 from dolfinx.plot import vtk_mesh
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats, Indices
 from .base.checks import as_floats
@@ -104,11 +104,14 @@ def _facet_means(side: InterfaceSide, values: Floats) -> Floats:
     return weighted.reshape(len(surface.facets), -1).sum(axis=1) / surface.facet_areas
 
 
-def _facet_nodes(body: Body, entities: Indices, displacement: fem.Function) -> tuple[Floats, Indices, int, Floats]:
+def _facet_nodes(
+    body: Body, entities: NDArray[np.int32], displacement: fem.Function
+) -> tuple[Floats, Indices, int, Floats]:
     """The nodes of facets in the body's degree, each once: x (m, dim), the facets' nodes in VTK's order, VTK's number
     of their shape, and the displacement (m, dim)."""
     facet, dim = facet_type(body.mesh.domain), body.mesh.dim
-    reference = basix.create_element(basix.ElementFamily.P, facet, body.degree, basix.LagrangeVariant.equispaced).points
+    element = basix.create_element(basix.ElementFamily.P, facet, body.degree, basix.LagrangeVariant.equispaced)
+    reference = np.asarray(element.points)
     at = surface_points(body.mesh.domain, entities, reference)
     u = _tabulated(body, at.cells, at.reference, displacement.x.array.reshape(-1, dim))
     size = float(np.linalg.norm(np.ptp(at.x, axis=0))) / max(len(entities), 1)
@@ -123,7 +126,7 @@ def _dolfinx_facet(body: Body) -> cpp.mesh.CellType:
     return cpp.mesh.cell_entity_type(body.mesh.domain.topology.cell_type, body.mesh.dim - 1, 0)
 
 
-def _tabulated(body: Body, cells: Indices, reference: Floats, nodal: Floats) -> Floats:
+def _tabulated(body: Body, cells: NDArray[np.int32], reference: Floats, nodal: Floats) -> Floats:
     """A function of nodal values (nodes, k) at a point (n, dim) of the reference cell in each of n cells, (n, k)."""
     table = body.space.element.basix_element.tabulate(0, reference)[0, :, :, 0]
     return np.einsum("np,npk->nk", table, nodal[body.space.dofmap.list[cells]])

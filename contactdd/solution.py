@@ -251,7 +251,7 @@ class Solution:
         sums, sizes = [0.0], [0.0]
         for place, body in enumerate(self.scene.bodies):
             forces, resultant = self._nodal_forces(place).values(), self._ensemble.problems[place].dofs.resultant
-            sums.append(float(np.linalg.norm(resultant(sum(forces)))))
+            sums.append(float(np.linalg.norm(resultant(np.sum(list(forces), axis=0)))))
             for force in forces:
                 vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
                 sizes.append(float(np.linalg.norm(vectors, axis=1).sum()))
@@ -466,10 +466,11 @@ class Solution:
         """u_αn + u_βn at the points of an interface, (points,), from the unknowns alone where they tell it."""
         problems, unknowns = self._ensemble.problems, self._ensemble.split(self._state.unknowns)
         seen = [problems[side.body].seen(unknowns[side.body], side.trace) for side in interface.sides]
-        if any(values is None for values in seen):
+        told = [values for values in seen if values is not None]
+        if len(told) < len(seen):
             # The fields are settled, the unknowns are not: one side from each would differ by the motion taken out.
-            seen = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
-        return sum(seen)
+            told = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
+        return told[0] + told[1]
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""

@@ -19,10 +19,11 @@ def positive(name: str, value: Any) -> float:
 
 def finite(name: str, value: Any) -> float:
     """`value` as a float, refused unless it is a finite number."""
+    scalar: Any = value
     if isinstance(value, (bool, str)) or not np.isscalar(value):
         raise TypeError(f"{name} = {value!r}: expected a number")
     try:
-        number = float(value)
+        number = float(scalar)
     except (TypeError, ValueError):
         raise TypeError(f"{name} = {value!r}: expected a number") from None
     if not np.isfinite(number):
@@ -34,9 +35,10 @@ def as_count(name: str, value: Any, expected: str = "a whole number >= 1") -> in
     """`value` as an int, refused unless it is a whole number above zero."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError(f"{name} = {value!r}: expected {expected}")
-    if not 1 <= value < np.inf or int(value) != value:
+    number = float(value)
+    if not 1 <= number < np.inf or int(number) != number:
         raise ValueError(f"{name} = {value!r}: expected {expected}")
-    return int(value)
+    return int(number)
 
 
 def as_bool(name: str, value: Any) -> bool:

@@ -163,4 +163,4 @@ def _across(tangents: Floats) -> Floats:
     """The vectors across dim − 1 tangents (n, dim − 1, dim), as long as the area that these span, (n, dim)."""
     if tangents.shape[1] == 1:
         return tangents[:, 0, ::-1] * np.array([1.0, -1.0])
-    return np.cross(tangents[:, 0], tangents[:, 1])
+    return np.asarray(np.cross(tangents[:, 0], tangents[:, 1]), dtype=float)

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
@@ -91,7 +92,7 @@ class Ensemble:
         self._motions = self._along_diagonal([each.modes for each in motions])
         self._onto_motions = self._motions.T
         self._sprung = any(np.any(each.springs) for each in motions)
-        self._springs = self._along_diagonal([each.springs for each in motions]) if self._sprung else None
+        self._springs: Any = self._along_diagonal([each.springs for each in motions]) if self._sprung else None
         self._constant = sum(problem.constant for problem in problems)
 
     @cached_property
