@@ -28,7 +28,8 @@ class SurfaceResult:
         closed: (f,) The fraction of the covered part where the layer is compressed.
         pressure: (f,) The mean contact pressure of each facet, so that areas @ pressure is the contact force (stress).
         gap, compression: (f,) The means over the covered part (length); not a number where nothing is covered.
-        projected_pressure: (m,) A continuous contact pressure at the nodes (stress); None where there is none.
+        projected_pressure: (m,) The `ContactResult.nodal_pressure` at the nodes (stress); None on the surface that it
+            does not belong to.
 
     Example:
         >>> import contactdd as cd

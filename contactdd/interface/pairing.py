@@ -67,13 +67,6 @@ class PointPairs:
         """Midway between the smooth surfaces, (n, dim)."""
         return 0.5 * (self.places[0] + self.places[1])
 
-    def mean(self) -> scipy.sparse.csr_matrix:
-        """From the points to the segments: the mean over each."""
-        count = int(self.segment.max()) + 1
-        total = np.bincount(self.segment, self.weights, count)
-        rows = (self.weights / total[self.segment], (self.segment, np.arange(len(self.segment))))
-        return scipy.sparse.csr_matrix(rows, shape=(count, len(self.segment)))
-
     def covered(self, side: int, count: int) -> Floats:
         """How much of each of the side's `count` facets has a partner, in the facet's own area."""
         slope = np.abs(dot(self.points[side].normal, self.normal))
@@ -113,7 +106,7 @@ def matching_on(first: ContactSurface, second: ContactSurface, facets: Indices) 
 
     facets: the second surface's opposite each of the first's.
     """
-    if first.rule.name == "facet":
+    if first.per_value == first.per_facet:  # one value on each facet
         return Matching(facets, facets)
     dim, n = first.body.mesh.dim, len(first.facets)
     if np.array_equal(facets, np.arange(n)) and _in_order(first, second, np.inf):
