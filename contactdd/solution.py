@@ -612,5 +612,5 @@ def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> fl
     """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
     pressing = pressure > 0.0
     shares = interface.weights[pressing] * pressure[pressing]
-    stiffness = interface.contact.layer.contact_derivative(gaps[pressing])
+    stiffness = interface.contact.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
     return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0
