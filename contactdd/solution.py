@@ -145,7 +145,7 @@ class Solution:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the result has to know: where a layer is compressed further than its law is known."""
+        """Remarks on the result: contacts where a layer is compressed further than its law is known."""
         found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
         return tuple(note for note in found if note)
 
