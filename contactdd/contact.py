@@ -91,7 +91,7 @@ class Contact:
             raise ValueError(
                 f"quadrature = {quadrature!r} with a hard contact: its pressure would waver; expected 'mortar'"
             )
-        if bodies[0].kinematics.ring and not RULES[quadrature].rings:
+        if bodies[0].kinematics.axisymmetric and not RULES[quadrature].rings:
             raise ValueError(
                 f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
                 f"expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"

@@ -184,7 +184,7 @@ class Resultant:
         force = current(self.force)
         if callable(force) or np.shape(force) != (on.dim,) or not np.all(np.isfinite(force)):
             raise ValueError(f"force = {self.force!r}: expected {on.dim} finite numbers")
-        if on.kinematics.ring and force[0] != 0.0:
+        if on.kinematics.axisymmetric and force[0] != 0.0:
             raise ValueError(f"force = {self.force!r}: around a ring radial forces sum to zero; expected force[0] = 0")
         traction = fem.Constant(on.domain, np.asarray(force, dtype=float) / on.area(self.surface))
         return on.over_surface(ufl.dot(traction, v), self.surface, on.area_metadata)

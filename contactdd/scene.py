@@ -177,7 +177,7 @@ class Scene:
         for body, surface in contact.sides:
             if not any(body is other for other in self.bodies):
                 raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
-            if body.kinematics.ring != contact.sides[0][0].kinematics.ring:
+            if body.kinematics.axisymmetric != contact.sides[0][0].kinematics.axisymmetric:
                 raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
             for facet in () if body.mesh is None else body.mesh.facets(surface):
                 key = (id(body), int(facet))

@@ -75,7 +75,7 @@ def _strains(body: Body, displacement: Floats) -> tuple[Floats, Floats]:
     rotation = np.zeros_like(strain)
     strain[:, :dim, :dim] = 0.5 * (gradient + np.swapaxes(gradient, 1, 2))
     rotation[:, :dim, :dim] = 0.5 * (gradient - np.swapaxes(gradient, 1, 2))
-    if body.kinematics.ring:
+    if body.kinematics.axisymmetric:
         strain[:, 2, 2] = (u[:, :, 0] @ own) / (nodes[:, :, 0] @ values)
     return strain, rotation
 

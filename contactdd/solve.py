@@ -281,6 +281,6 @@ def _start(
         return starts.with_multipliers(state, ensemble, start.multipliers)
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
-    # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
+    # Contacts without pressure hold no body; only a line search on the energy survives that.
     guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.together(ensemble) if guarded else starts.closed(ensemble, ranks)
+    return starts.rigidly_closed(ensemble) if guarded else starts.uniformly_closed(ensemble, ranks)

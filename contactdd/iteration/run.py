@@ -324,7 +324,7 @@ class Run:
         before, now = (float(np.abs(y).max(initial=0.0)) for y in (self.state.unknowns, unknowns))
         if before > 2.0 * now:
             return self.ensemble.gaps(unknowns)
-        moves = self.ensemble.by_interface(self.ensemble.closing @ step)
+        moves = self.ensemble.by_interface(self.ensemble.normal_approach @ step)
         return [z - move for z, move in zip(self.state.gaps, moves, strict=True)]
 
     def _scale(self, at_work: float, residual: float) -> float:
@@ -343,7 +343,7 @@ class Run:
         deformation = self.ensemble.deformation(correction)
         answer = self.ensemble.elastic_forces(correction, deformation)
         elastic = self.ensemble.elastic_work(correction, deformation, answer)
-        moves = self.ensemble.closing @ correction
+        moves = self.ensemble.normal_approach @ correction
         works = moves * forces.tractions
         work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
         parts = zip(self.ensemble.interfaces, self.state.gaps, self.ensemble.by_interface(moves), strict=True)

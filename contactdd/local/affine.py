@@ -106,7 +106,7 @@ class AffineCells:
 def affine_cells(body: Body) -> AffineCells | None:
     """The cells of a body where that pays: they are affine, of one material, and have much inside of themselves."""
     inner, outer = _inner_and_outer(body.space.ufl_element())
-    if len(inner) < WORTHWHILE * (len(inner) + len(outer)) or body.material.varies or body.kinematics.ring:
+    if len(inner) < WORTHWHILE * (len(inner) + len(outer)) or body.material.varies or body.kinematics.axisymmetric:
         return None
     return AffineCells(body) if are_affine(body.mesh) else None
 
