@@ -110,13 +110,6 @@ class Contact:
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
 
-    def at(self, x: np.ndarray) -> Contact:
-        """The same contact with the layer that it has at the points x (dim, n); itself, where that doesn't vary."""
-        if isinstance(self.layer, HardContact):
-            return self
-        layer = self.layer.at(x)
-        return self if layer is self.layer else self.with_law(layer)
-
     def with_layer(self, layer: Layer | HardContact) -> Contact:
         """The same contact with another layer.
 
@@ -132,14 +125,6 @@ class Contact:
                 f"layer = {layer!r} in contact {self.name!r} with quadrature = {self.quadrature!r}: the pressure would "
                 "waver; expected a contact with quadrature='mortar'"
             )
-        return self.with_law(layer)
-
-    def with_law(self, layer: Layer | HardContact) -> Contact:
-        """The same contact with a layer that fits it.
-
-        Args:
-            layer: The new law, not checked.
-        """
         other = copy(self)
         other.layer = layer
         return other

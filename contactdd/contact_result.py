@@ -132,7 +132,7 @@ class ContactResult:
         """∫ p x ds / ∫ p ds, (dim,), on the axis for a ring; not a number where nothing touches."""
         if self.force == 0.0:
             return np.full(self.x.shape[1], np.nan)
-        centre = (self.weights * self.pressure) @ self.x / self.force
+        centre = np.asarray((self.weights * self.pressure) @ self.x / self.force)
         return centre * np.array([0.0, 1.0]) if self.ring else centre
 
     def moment(self, about: ArrayLike = 0.0) -> float | Floats:
