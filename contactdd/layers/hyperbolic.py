@@ -22,18 +22,19 @@ class HyperbolicLayer(LimitedLayer):
 
     Closer to the wall than 1e-5 V the law goes on straight, 1e10 times stiffer than at rest.
 
+    Source: S. C. Bandis, A. C. Lumsden, N. R. Barton, Fundamentals of rock joint deformation, Int. J. Rock Mech. Min.
+    Sci. 20 (1983), 249-268, eq. (7).
+
     Args:
         stiffness: K, the normal stiffness at rest (stress / length).
         closure: V, the greatest closure (length), where the pressure is infinite.
 
     Raises:
-        TypeError, ValueError: If an argument isn't a positive finite number.
+        TypeError, ValueError: An argument is no positive finite number.
 
-    Source: S. C. Bandis, A. C. Lumsden, N. R. Barton, Fundamentals of rock joint deformation, Int. J. Rock Mech. Min.
-    Sci. 20 (1983), 249-268, eq. (7).
-
-    >>> HyperbolicLayer(stiffness=10.0, closure=0.2).contact_stress([-0.1, -0.15])
-    array([-2., -6.])
+    Example:
+        >>> HyperbolicLayer(stiffness=10.0, closure=0.2).contact_stress([-0.1, -0.15])
+        array([-2., -6.])
     """
 
     stiffness: float

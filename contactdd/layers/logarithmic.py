@@ -22,18 +22,19 @@ class LogarithmicLayer(LimitedLayer):
     M/h is its stiffness at rest; at c = h it is pressed through, and the pressure is infinite. Closer to that than
     1e-10 h, at 23 M, the law goes on straight.
 
+    Source: Hencky's law for a sheet under uniaxial strain; for small c/h it is the elastic foundation, K. L. Johnson,
+    Contact Mechanics (1985), section 5.8.
+
     Args:
         modulus: M, the stress over the strain of a sheet that can't bulge sideways (stress).
         thickness: h (length).
 
     Raises:
-        TypeError, ValueError: If an argument isn't a positive finite number.
+        TypeError, ValueError: An argument is no positive finite number.
 
-    Source: Hencky's law for a sheet under uniaxial strain; for small c/h it is the elastic foundation, K. L. Johnson,
-    Contact Mechanics (1985), section 5.8.
-
-    >>> round(float(LogarithmicLayer(modulus=1e3, thickness=1e-3).contact_stress(-5e-4)), 3)
-    -693.147
+    Example:
+        >>> round(float(LogarithmicLayer(modulus=1e3, thickness=1e-3).contact_stress(-5e-4)), 3)
+        -693.147
     """
 
     modulus: float

@@ -34,21 +34,22 @@ class GreenwoodWilliamsonLayer(LimitedLayer):
     φ is Gauss' distribution, u the separation from the summits' mean plane. The law begins at u = 8σ, which is its
     clearance, with what is left there, 4e-17 in F, taken off; beyond u = -4σ it goes on straight.
 
-    Args:
-        modulus: E*, 1/E* = (1 - ν₁²)/E₁ + (1 - ν₂²)/E₂ (stress).
-        density: η, summits per area (1/length²).
-        radius: R, the summits' (length).
-        deviation: σ, the standard deviation of the summits' heights (length).
-
-    Raises:
-        TypeError, ValueError: If an argument isn't a positive finite number.
-
     Source: J. A. Greenwood, J. B. P. Williamson, Contact of nominally flat surfaces, Proc. R. Soc. A 295 (1966),
     300-319, eq. (8). For exponential heights see `ExponentialLayer.greenwood_williamson`.
 
-    >>> layer = GreenwoodWilliamsonLayer(modulus=1e5, density=300.0, radius=0.05, deviation=1e-3)
-    >>> round(float(layer.contact_stress(1e-3 - layer.clearance)), 4)  # at u = σ
-    -21.4022
+    Args:
+        modulus: E*, 1/E* = (1 - ν₁²)/E₁ + (1 - ν₂²)/E₂ (stress).
+        density: η, the number of summits per area (1/length²).
+        radius: R, the radius of the summits (length).
+        deviation: σ, the standard deviation of the summits' heights (length).
+
+    Raises:
+        TypeError, ValueError: An argument is no positive finite number.
+
+    Example:
+        >>> layer = GreenwoodWilliamsonLayer(modulus=1e5, density=300.0, radius=0.05, deviation=1e-3)
+        >>> round(float(layer.contact_stress(1e-3 - layer.clearance)), 4)  # at u = σ
+        -21.4022
     """
 
     modulus: float

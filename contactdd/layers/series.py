@@ -23,11 +23,12 @@ class SeriesLayer(Layer):
         layers: The layers, two or more.
 
     Raises:
-        TypeError: If one of them isn't a layer, or there are fewer than two.
+        TypeError: One of them is no layer, or there are fewer than two.
 
-    >>> from contactdd.layer import LinearLayer
-    >>> round(float(SeriesLayer(LinearLayer(2.0), LinearLayer(3.0)).contact_stress(-5.0)), 12)
-    -6.0
+    Example:
+        >>> from contactdd.layer import LinearLayer
+        >>> round(float(SeriesLayer(LinearLayer(2.0), LinearLayer(3.0)).contact_stress(-5.0)), 12)
+        -6.0
     """
 
     def __init__(self, *layers: Layer) -> None:

@@ -28,23 +28,24 @@ class TableLayer(LimitedLayer):
     passed the point says so. The cubic is continuously differentiable; where it would end with slope 0, half the slope
     of the end chord replaces it, because g has to increase, eq. (7).
 
+    Source: F. N. Fritsch, J. Butland, A method for constructing local monotone piecewise cubic interpolants, SIAM J.
+    Sci. Stat. Comput. 5 (1984), 300-304.
+
     Args:
         compressions: The points' compressions (length), strictly increasing and >= 0; (0, 0) is added if missing.
-        pressures: The points' pressures (stress), likewise.
+        pressures: The points' pressures (stress), strictly increasing and >= 0.
         smooth: Whether the law is the monotone cubic, or straight from point to point.
         clearance: The distance of the surfaces at which the law begins (length, 0 by default); see `Layer`.
 
     Raises:
-        TypeError: If smooth isn't True or False, or clearance isn't a number.
-        ValueError: If the points aren't finite, of equal number, strictly increasing and >= 0; the row is named. For
+        TypeError: `smooth` is not True or False, or `clearance` is no number.
+        ValueError: The points are not finite, of equal number, strictly increasing and >= 0; the row is named. For
             data with plateaus and noise see `from_measurement` and `from_csv`.
 
-    Source: F. N. Fritsch, J. Butland, A method for constructing local monotone piecewise cubic interpolants, SIAM J.
-    Sci. Stat. Comput. 5 (1984), 300-304.
-
-    >>> layer = TableLayer(compressions=[1.0, 2.0, 3.0], pressures=[1.0, 4.0, 9.0])
-    >>> layer.compression([0.0, -4.0, -9.0])
-    array([-0., -2., -3.])
+    Example:
+        >>> layer = TableLayer(compressions=[1.0, 2.0, 3.0], pressures=[1.0, 4.0, 9.0])
+        >>> layer.compression([0.0, -4.0, -9.0])
+        array([-0., -2., -3.])
     """
 
     compressions: Sequence[float]
@@ -85,22 +86,23 @@ class TableLayer(LimitedLayer):
         by more than `noise`; equal compressions are averaged likewise.
 
         Args:
-            compressions: (n,) (length), of any sign.
-            pressures: (n,) (stress).
-            noise: By how much a pressure may be wrong (stress), 0 by default: then only rows of equal pressure are
-                put together.
-            smooth: As for the class.
+            compressions: (n,) The measured compressions (length), from any origin.
+            pressures: (n,) The measured pressures (stress).
+            noise: The largest error of a pressure (stress), 0 by default: then only rows of equal pressure are put
+                together.
+            smooth: As of the class.
 
         Returns:
             A table whose `clearance` is where the curve begins.
 
         Raises:
-            ValueError: If values aren't finite or of equal number, if a pressure falls by more than the noise accounts
-                for (the row is named, counted from 1), or if nothing is left.
+            ValueError: Values are not finite or of equal number; a pressure falls by more than the noise accounts
+                for (the row is named, counted from 1); nothing is left.
 
-        >>> layer = TableLayer.from_measurement([0, 0.05, 0.1, 0.2, 0.3], [0, 0, 1.2, 5.0, 5.0])
-        >>> layer.clearance, layer.compressions, layer.pressures
-        (-0.05, (0.0, 0.05, 0.2), (0.0, 1.2, 5.0))
+        Example:
+            >>> layer = TableLayer.from_measurement([0, 0.05, 0.1, 0.2, 0.3], [0, 0, 1.2, 5.0, 5.0])
+            >>> layer.clearance, layer.compressions, layer.pressures
+            (-0.05, (0.0, 0.05, 0.2), (0.0, 1.2, 5.0))
         """
         c, p = _column("compressions", compressions), _column("pressures", pressures)
         if c.size != p.size:
@@ -140,16 +142,16 @@ class TableLayer(LimitedLayer):
             path: The file; lines that are empty or begin with # are skipped.
             compression: The name of its column of compressions.
             pressure: The name of its column of pressures.
-            length_unit: What the file's unit of length is in yours, such as 1e-3 for µm where you use mm.
-            stress_unit: What its unit of stress is in yours.
-            noise: As for `from_measurement`, in your unit of stress.
-            smooth: As for the class.
-            delimiter: What is between the columns; ";" also reads decimal commas.
+            length_unit: The file's unit of length in yours, such as 1e-3 for µm where you use mm.
+            stress_unit: The file's unit of stress in yours.
+            noise: As of `from_measurement`, in your unit of stress.
+            smooth: As of the class.
+            delimiter: The text between columns; ";" also reads decimal commas.
 
         Raises:
-            ValueError: If a column is missing (those there are named), a row has no number in it (its line is named),
+            ValueError: A column is missing (those there are named), a row has no number in it (its line is named),
                 or as `from_measurement` does.
-            OSError: If the file can't be read.
+            OSError: The file can't be read.
         """
         columns = _read_columns(Path(path), (compression, pressure), delimiter)
         c, p = columns[0] * positive("length_unit", length_unit), columns[1] * positive("stress_unit", stress_unit)
