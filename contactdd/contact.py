@@ -120,17 +120,6 @@ class Contact:
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
 
-    def at(self, x: np.ndarray) -> Contact:
-        """The same contact with its layer evaluated at given points; itself, where the layer does not vary.
-
-        Args:
-            x: (dim, n) The coordinates of the points (length).
-        """
-        if isinstance(self.layer, HardContact):
-            return self
-        layer = self.layer.at(x)
-        return self if layer is self.layer else self.with_law(layer)
-
     def with_layer(self, layer: Layer | HardContact) -> Contact:
         """The same contact with another layer.
 
@@ -146,14 +135,6 @@ class Contact:
                 f"layer = {layer!r} in contact {self.name!r} with quadrature = {self.quadrature!r}: the pressure would "
                 "waver; expected a contact with quadrature='mortar'"
             )
-        return self.with_law(layer)
-
-    def with_law(self, layer: Layer | HardContact) -> Contact:
-        """The same contact with another layer, which is known to suit it.
-
-        Args:
-            layer: The new law, or `HardContact()`.
-        """
         other = copy(self)
         other.layer = layer
         return other

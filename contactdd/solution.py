@@ -26,6 +26,7 @@ from .contact_result import ContactResult
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
+from .interface.surface import ContactSurface
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
 
@@ -138,7 +139,7 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
             if gathered is None:
-                pressure = 0.0 - interface.contact.layer.contact_stress(gaps)
+                pressure = 0.0 - interface.layer.contact_stress(gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
         return _contact_result(interface, gaps, pressure, ratio, wavers)
@@ -229,7 +230,7 @@ class Solution:
     def _penalty_energy(self) -> float:
         """What the augmented Lagrangian counts as the energy of hard contacts."""
         contacts = zip(self.interfaces, self._state.gaps, strict=True)
-        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts if i.hard)
+        return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
     @property
     def multipliers(self) -> list[Floats]:
@@ -244,7 +245,7 @@ class Solution:
 
     def _pressure(self, index: int) -> Floats:
         """The contact pressure at the points of an interface."""
-        return 0.0 - self.interfaces[index].contact.layer.contact_stress(self._state.gaps[index])
+        return 0.0 - self.interfaces[index].layer.contact_stress(self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
         """The six stresses of a body, a dolfinx function, in the order xx, yy, zz, yz, xz, xy.
@@ -551,7 +552,7 @@ class Solution:
 
 def _passed(interface: Interface, gaps: Floats) -> str:
     """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
-    contact, limit = interface.contact, interface.contact.layer.compression_limit
+    contact, limit = interface.contact, interface.layer.compression_limit
     if limit is math.inf:
         return ""
     limit = np.broadcast_to(limit, gaps.shape)
@@ -581,7 +582,7 @@ def _resampled(interface: Interface, degree: int) -> Interface:
 def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio: float, wavers: bool) -> ContactResult:
     """The result at an interface's points; ratio: k h/E of the layer where it presses; wavers: whether its pressure
     does."""
-    meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
+    meshed = next(side.surface for side in interface.sides if isinstance(side.surface, ContactSurface))
     if interface.gathered is None:
         nodal = interface.functions.projected(pressure, interface.weights)
         node_x, projected = interface.functions.x, interface.functions.at_values @ nodal
@@ -612,5 +613,5 @@ def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> fl
     """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
     pressing = pressure > 0.0
     shares = interface.weights[pressing] * pressure[pressing]
-    stiffness = interface.contact.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
+    stiffness = interface.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
     return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

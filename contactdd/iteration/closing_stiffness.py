@@ -22,7 +22,7 @@ def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], 
     With W = w χ g'(z) and C y = u_αn + u_βn the tangent gives (A + Cᵀ W C) dy = −Cᵀ W 1 dδ, dF = 1ᵀ W (1 dδ + C dy).
     """
     contacts = zip(ensemble.interfaces, gaps, strict=True)
-    phi = {index: interface.contact.layer.contact_derivative(z) for index, (interface, z) in enumerate(contacts)}
+    phi = {index: interface.layer.contact_derivative(z) for index, (interface, z) in enumerate(contacts)}
     weights = ensemble.weights * ensemble.at_all_points(phi)
     own = np.zeros(len(weights))
     own[ensemble.points[place]] = 1.0

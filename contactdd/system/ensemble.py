@@ -151,7 +151,7 @@ class Ensemble:
     def tractions(self, state: State) -> Floats:
         """The contact stresses g⁻(z) times the areas, at all points."""
         contacts = zip(self.interfaces, state.gaps, strict=True)
-        return self.weights * np.concatenate([i.contact.layer.contact_stress(z) for i, z in contacts])
+        return self.weights * np.concatenate([i.layer.contact_stress(z) for i, z in contacts])
 
     def energy(self, state: State, elastic: Floats | None = None) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); elastic: the elastic forces, where they are known."""
@@ -163,7 +163,7 @@ class Ensemble:
     def layer_energy(self, state: State) -> float:
         """J = Σ ∫ ∫₀^z g⁻."""
         contacts = zip(self.interfaces, state.gaps, strict=True)
-        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts)
+        return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts)
 
     def tangent(self, phi: Mapping[int, Floats], y: Floats) -> Floats:
         """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system of (17), (26), (27) times y.

@@ -11,6 +11,8 @@ import numpy as np
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
 from ..field import evaluate
+from ..hard_contact import AugmentedLayer
+from ..layer import Layer
 from .state import State
 
 if TYPE_CHECKING:
@@ -45,8 +47,13 @@ def with_multipliers(state: State, ensemble: Ensemble, multipliers: list[Floats]
     """The same iterate with the multipliers (pressures) of hard contacts, if they are of as many points."""
     if [len(pressure) for pressure in multipliers] != [len(gaps) for gaps in state.gaps]:
         return state
-    contacts = zip(ensemble.interfaces, multipliers, strict=True)
-    return replace(state, shifts=[p / i.contact.layer.stiffness if i.hard else 0.0 * p for i, p in contacts])
+    laws = [interface.layer for interface in ensemble.interfaces]
+    return replace(state, shifts=[_shift(law, pressure) for law, pressure in zip(laws, multipliers, strict=True)])
+
+
+def _shift(law: Layer, multiplier: Floats) -> Floats:
+    """λ/k of a hard contact, zeros of any other."""
+    return np.asarray(multiplier / law.stiffness) if isinstance(law, AugmentedLayer) else 0.0 * multiplier
 
 
 def from_contacts(ensemble: Ensemble, ranks: Ranks, u_n: Given, previous: Given | None) -> State:
@@ -126,7 +133,7 @@ def _at_points(name: str, value: Given, interface: Interface) -> Floats:
 def _compressions(ensemble: Ensemble) -> list[float]:
     """The compressions w of all contacts under the largest mean contact stress of a body."""
     stress = max(_mean_contact_stress(ensemble, problem) for problem in ensemble.problems)
-    return [float(np.mean(interface.contact.layer.compression(-stress))) for interface in ensemble.interfaces]
+    return [float(np.mean(interface.layer.compression(-stress))) for interface in ensemble.interfaces]
 
 
 def _mean_contact_stress(ensemble: Ensemble, problem: LocalProblem) -> float:
@@ -140,7 +147,7 @@ def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:
     depths = np.array([max(-float(z.min()), 0.0) for z in state.gaps])
     if not np.any(depths):
         return np.ones(len(depths))
-    layers = [interface.contact.layer for interface in ensemble.interfaces]
+    layers = [interface.layer for interface in ensemble.interfaces]
     pressures = np.array([-float(np.mean(law.contact_stress(-w))) for law, w in zip(layers, depths, strict=True)])
     typical = np.full(len(depths), pressures.max() / depths.max())
     secants = np.divide(pressures, depths, out=typical, where=depths > 0.0)
