@@ -88,6 +88,17 @@ class ElasticSurface(MeshlessBody):
         (n,)."""
         return self.places, np.tile(self.normal, (len(self.areas), 1)), self.areas
 
+    def contact_facets(self) -> Floats:
+        return np.stack([self.places[:-1], self.places[1:]], axis=1)
+
+    def point_stiffnesses(self) -> Floats:
+        return np.full(len(self.areas), self.modulus / self.spacing)
+
+    @property
+    @abstractmethod
+    def spacing(self) -> float:
+        """The smallest distance of two places (length)."""
+
     def gap(self, x: Floats, direction: Floats) -> Floats:
         found = plane_distance(x, direction, self.origin, self.normal)
         if not np.all(np.isfinite(found)):
@@ -127,7 +138,7 @@ class ElasticSurface(MeshlessBody):
 
     def resultant(self, forces: Floats) -> Floats:
         total = forces[0] * self.normal
-        return total * [0.0, 1.0] if self.kinematics.ring else total
+        return total * [0.0, 1.0] if self.kinematics.axisymmetric else total
 
 
 def _modulus(material: Any, kinematics: str) -> float:

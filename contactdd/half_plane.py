@@ -73,9 +73,13 @@ class HalfPlane(ElasticSurface):
     def areas(self) -> Floats:
         return np.asarray(influence.hat_areas(self.nodes))
 
+    @property
+    def spacing(self) -> float:
+        return float(np.diff(self.nodes).min())
+
     def flexibility(self) -> Floats:
         def answer(at: Floats) -> Floats:
-            return influence.line_load_hats(at, self.nodes, self.reference) / self.modulus
+            return np.asarray(influence.line_load_hats(at, self.nodes, self.reference) / self.modulus, dtype=float)
 
         return galerkin(answer, self.nodes, self.areas)
 

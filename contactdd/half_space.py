@@ -62,9 +62,13 @@ class AxisymmetricHalfSpace(ElasticSurface):
     def areas(self) -> Floats:
         return influence.hat_ring_areas(self.nodes)
 
+    @property
+    def spacing(self) -> float:
+        return float(np.diff(self.nodes).min())
+
     def flexibility(self) -> Floats:
         def answer(at: Floats) -> Floats:
-            return influence.ring_hats(at, self.nodes) / self.modulus
+            return np.asarray(influence.ring_hats(at, self.nodes) / self.modulus, dtype=float)
 
         return galerkin(answer, self.nodes, self.areas, weight=lambda r: 2 * np.pi * r)
 
@@ -126,6 +130,14 @@ class HalfSpace(ElasticSurface):
     @property
     def areas(self) -> Floats:
         return np.full(self.cells[0] * self.cells[1], float(np.prod(self.steps)))
+
+    def contact_facets(self) -> Floats:
+        around = 0.5 * self.steps * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) @ self._axes
+        return self.places[:, None] + around
+
+    @property
+    def spacing(self) -> float:
+        return float(self.steps.min())
 
     def flexibility(self) -> Floats:
         # Only the distance of two rectangles counts: those of the first one to all others say it all.

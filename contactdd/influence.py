@@ -90,7 +90,8 @@ def rectangle(x: Floats, y: Floats, dx: float, dy: float) -> Floats:
     Love's formula (Johnson, §3.2(c)), here as the second difference of ξ arsinh(η/|ξ|) + η arsinh(ξ/|η|) over π.
     """
     a, b = 0.5 * dx, 0.5 * dy
-    return (_corner(x + a, y + b) - _corner(x - a, y + b) - _corner(x + a, y - b) + _corner(x - a, y - b)) / np.pi
+    corners = _corner(x + a, y + b) - _corner(x - a, y + b) - _corner(x + a, y - b) + _corner(x - a, y - b)
+    return np.asarray(corners / np.pi, dtype=float)
 
 
 def _corner(x: Floats, y: Floats) -> Floats:

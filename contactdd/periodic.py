@@ -61,9 +61,13 @@ class PeriodicSurface(ElasticSurface):
     def areas(self) -> Floats:
         return np.full(len(self.nodes), self.period / len(self.nodes))
 
+    @property
+    def spacing(self) -> float:
+        return self.period / len(self.nodes)
+
     def flexibility(self) -> Floats:
         count = len(self.nodes)
-        k = 2 * np.pi / self.period * np.arange(count // 2 + 1)
+        k = np.asarray(2 * np.pi / self.period * np.arange(count // 2 + 1), dtype=float)
         column = np.fft.irfft(self.compliance(k), count) / (self.modulus * self.period / count)
         return np.asarray(scipy.linalg.circulant(column))
 
@@ -195,5 +199,5 @@ class ElasticStrip(PeriodicSurface):
         if not self.bonded:
             return influence.sliding_strip_wave(k, self.thickness)
         nu = float(self.material.nu)  # type: ignore[arg-type]  # it does not vary
-        kappa = (3 - nu) / (1 + nu) if self.kinematics.stress_free else 3 - 4 * nu
+        kappa = (3 - nu) / (1 + nu) if self.kinematics.plane_stress else 3 - 4 * nu
         return influence.bonded_strip_wave(k, self.thickness, kappa)

@@ -72,7 +72,7 @@ class RigidBody(MeshlessBody):
         self.about = shape.centre if about is None else as_point("about", about)
         if self.about.shape != (shape.dim,):
             raise ValueError(f"about = {about!r}: expected {shape.dim} numbers")
-        self._turns = 0 if self.kinematics.ring else 1 if shape.dim == 2 else 3
+        self._turns = 0 if self.kinematics.axisymmetric else 1 if shape.dim == 2 else 3
         self._displacement, self._force = displacement, force
         self._rotation, self._moment = rotation, moment
         self.prescribed(), self.load()  # refuse now what can be none
@@ -87,7 +87,7 @@ class RigidBody(MeshlessBody):
         return np.where(np.isfinite(found), found, far)
 
     def normal_displacement(self, x: Floats, direction: Floats) -> Floats:
-        if self.kinematics.ring:
+        if self.kinematics.axisymmetric:
             return -direction[:, 1:]
         arm = x - self.about
         if self.kinematics.dim == 3:
@@ -104,7 +104,7 @@ class RigidBody(MeshlessBody):
 
     def _along(self, name: str, values: Floats) -> Floats:
         """The components that the kinematics allows; the others have to be zero."""
-        if not self.kinematics.ring:
+        if not self.kinematics.axisymmetric:
             return values
         if values[0] != 0.0 and not (np.isnan(values[0]) and np.isnan(values[1])):
             raise ValueError(f"{name} = {values.tolist()}: a ring moves along its axis only; expected (0, ...)")

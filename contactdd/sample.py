@@ -11,12 +11,14 @@ from dolfinx.plot import vtk_mesh
 from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats, Indices
+from .base.basis import basis_values
 from .base.checks import as_floats
-from .base.facets import facet_type, surface_points
+from .base.facets import FacetPoints, facet_type, surface_points
 from .body import Body
 from .body_result import BodyResult, SurfaceFit
 from .field import evaluate
 from .interface.discretise import Interface, InterfaceSide
+from .interface.nodal import hats
 from .surface_result import SurfaceResult
 
 #: VTK's numbers of the shapes of facets, of degree one and of any.
@@ -44,7 +46,7 @@ def body_result(
 def nodal_stress(body: Body, stress: fem.Function) -> tuple[Floats, Floats]:
     """The mean stress at each cell's nodes, (cells, 6), and that of the cells around each node, (nodes, 6)."""
     element = stress.function_space.element.basix_element
-    table = element.tabulate(0, body.space.element.basix_element.points)[0, :, :, 0]
+    table = basis_values(element, body.space.element.basix_element.points)
     cells = stress.x.array.reshape(-1, 6)[stress.function_space.dofmap.list]
     values = np.einsum("pn,cnk->cpk", table, cells)
     nodes = body.space.dofmap.list.ravel()
@@ -73,8 +75,10 @@ def surface_result(
 ) -> SurfaceResult:
     """The side `place` (0 or 1) of a contact facet by facet, from the values at the interface's points."""
     side = interface.sides[place]
-    surface, body = side.surface, side.surface.body
-    points, cells, kind, u = _facet_nodes(body, surface.entities, displacement)
+    surface, body = side.meshed, side.meshed.body
+    points, cells, kind, u, at = _facet_nodes(body, surface.entities, displacement)
+    carries = interface.functions.surface is surface
+    projected = hats(surface, at) @ interface.nodal_field(pressure) if carries else None
     covered = _facet_means(side, np.ones(len(gap)))
     opposite = np.where(covered > 1e-6, covered, np.nan)
 
@@ -90,25 +94,26 @@ def surface_result(
         u,
         surface.facet_areas,
         np.clip(covered, 0.0, 1.0),
-        np.nan_to_num(mean((gap < 0.0).astype(float))),
+        np.nan_to_num(mean((pressure > 0.0 if interface.hard else gap < 0.0).astype(float))),
         _facet_means(side, pressure),
         mean(gap),
         mean(np.minimum(gap, 0.0)),
+        projected,
     )
 
 
 def _facet_means(side: InterfaceSide, values: Floats) -> Floats:
     """The means over a body's own facets of values at an interface's points, zero where nothing is opposite."""
-    surface = side.surface
+    surface = side.meshed
     weighted = surface.weights * (side.transfer @ values)
     return weighted.reshape(len(surface.facets), -1).sum(axis=1) / surface.facet_areas
 
 
 def _facet_nodes(
     body: Body, entities: NDArray[np.int32], displacement: fem.Function
-) -> tuple[Floats, Indices, int, Floats]:
+) -> tuple[Floats, Indices, int, Floats, FacetPoints]:
     """The nodes of facets in the body's degree, each once: x (m, dim), the facets' nodes in VTK's order, VTK's number
-    of their shape, and the displacement (m, dim)."""
+    of their shape, the displacement (m, dim), and the nodes as points of facets."""
     facet, dim = facet_type(body.mesh.domain), body.mesh.dim
     element = basix.create_element(basix.ElementFamily.P, facet, body.degree, basix.LagrangeVariant.equispaced)
     reference = np.asarray(element.points)
@@ -118,7 +123,7 @@ def _facet_nodes(
     _, first, inverse = np.unique(np.round(at.x / (1e-6 * size)), axis=0, return_index=True, return_inverse=True)
     order = np.argsort(cpp.io.perm_vtk(_dolfinx_facet(body), len(reference)))
     cells = inverse.reshape(len(entities), -1)[:, order]
-    return at.x[first], cells, FACET_TYPES[facet][body.degree > 1], u[first]
+    return at.x[first], cells, FACET_TYPES[facet][body.degree > 1], u[first], at.kept(first)
 
 
 def _dolfinx_facet(body: Body) -> cpp.mesh.CellType:
@@ -128,7 +133,7 @@ def _dolfinx_facet(body: Body) -> cpp.mesh.CellType:
 
 def _tabulated(body: Body, cells: NDArray[np.int32], reference: Floats, nodal: Floats) -> Floats:
     """A function of nodal values (nodes, k) at a point (n, dim) of the reference cell in each of n cells, (n, k)."""
-    table = body.space.element.basix_element.tabulate(0, reference)[0, :, :, 0]
+    table = basis_values(body.space.element.basix_element, reference)
     return np.einsum("np,npk->nk", table, nodal[body.space.dofmap.list[cells]])
 
 

@@ -1,11 +1,10 @@
-"""A scene: all bodies and the contacts between them, checked, and what is kept of them from one solve to the next."""
+"""A scene: all bodies and the contacts between them, checked, with all that later solves reuse."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from .base.checks import as_tuple_of, check_choice
 from .base.ranks import Ranks
 from .body import Body
 from .contact import Contact
+from .hard_contact import HardContact
 from .interface.discretise import Interface, discretise
 from .layer import Layer
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
@@ -38,6 +38,14 @@ class Scene:
 
     Raises:
         TypeError, ValueError: Bodies and contacts make no scene.
+
+    Example:
+        >>> import contactdd as cd
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.3), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower = cd.Body("lower", mesh, steel, supports=[cd.Fixed("bottom")])
+        >>> upper = cd.Body("upper", mesh.moved((0, 1)), steel, loads=[cd.Pressure("top", 3.0)])
+        >>> scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4))])
+        >>> stiffer = scene.with_layer(cd.LinearLayer(1e5))  # shares bodies and factorisations
     """
 
     def __init__(
@@ -48,7 +56,7 @@ class Scene:
         if not isinstance(comm, MPI.Comm):
             raise TypeError(f"comm = {comm!r}: expected an MPI communicator, such as MPI.COMM_WORLD")
         self._check()
-        # One rank alone need not weigh them.
+        # On a single rank the weights for load balancing are not needed.
         self.ranks = Ranks(comm, [0.0 if comm.size == 1 or body.mesh is None else body.dofs for body in self.bodies])
         self._interfaces: list[Interface] | None = None
         self._solvers: LocalSolvers | None = None
@@ -99,7 +107,7 @@ class Scene:
             solvers = solvers.refreshed()
         self._read, self._interfaces, self._solvers = read, interfaces, solvers
 
-    def with_layer(self, layer: Layer, contact: str | None = None) -> Scene:
+    def with_layer(self, layer: Layer | HardContact, contact: str | None = None) -> Scene:
         """The same scene with another layer in a contact, or in all of them.
 
         Everything that does not depend on the layer is shared: a sweep over layers costs the interfaces only.
@@ -117,8 +125,7 @@ class Scene:
         other = copy(self)
         other.contacts = tuple(c.with_layer(layer) if contact in (None, c.name) else c for c in self.contacts)
         other._interfaces = [
-            replace(interface, contact=interface.contact.with_layer(c.layer))
-            for interface, c in zip(self.interfaces, other.contacts, strict=True)
+            interface.with_layer(c.layer) for interface, c in zip(self.interfaces, other.contacts, strict=True)
         ]
         other._solvers = None if self._solvers is None else self._solvers.shared()
         return other
@@ -127,7 +134,7 @@ class Scene:
         """Whether any load, prescribed displacement or gap of the scene follows a parameter.
 
         Args:
-            parameter: The parameter.
+            parameter: The parameter in question.
         """
         return any(parameter is other for other in self._parameters())
 
@@ -170,7 +177,7 @@ class Scene:
         for body, surface in contact.sides:
             if not any(body is other for other in self.bodies):
                 raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
-            if body.kinematics.ring != contact.sides[0][0].kinematics.ring:
+            if body.kinematics.axisymmetric != contact.sides[0][0].kinematics.axisymmetric:
                 raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
             for facet in () if body.mesh is None else body.mesh.facets(surface):
                 key = (id(body), int(facet))

@@ -419,3 +419,53 @@ def test_contacts_that_reach_too_far_are_refused():
         solved((block(), "bottom"), ground(0.2), 1e3)
     with pytest.raises(ValueError, match=r"body 'ground': the surface opposite .* faces away"):
         solved((block(), "top"), ground(0.5), 1e3)
+
+
+# What is told of a contact without meshes
+
+
+def test_hard_contact_without_meshes():
+    """No layer at all: Hertz, and no penetration."""
+    hertz = cd.reference.hertz_cylinder(10.0, 10.0, E, NU)
+    body, rigid = ground(1.5 * hertz.half_width), roll(force=10.0)
+    result = cd.solve(cd.Scene([body, rigid], [cd.Contact(body, rigid, cd.HardContact())])).contact()
+    assert result.force == pytest.approx(10.0, rel=1e-8)
+    assert result.pressure.max() == pytest.approx(hertz.peak_pressure, rel=2e-3)
+    assert result.penetration < 1e-8 * hertz.half_width**2 / 10.0
+    stiff = solved(body, rigid, 1e7 * MODULUS / hertz.half_width).contact()
+    assert result.pressure == pytest.approx(stiff.pressure, abs=1e-4 * hertz.peak_pressure)
+
+
+def test_results_without_meshes(tmp_path):
+    solution = solved(ground(), roll(force=10.0), 1e5)
+    result = solution.contact()
+    assert cd.load_solution(solution.save(tmp_path / "saved")).contact().force == pytest.approx(10.0)
+    assert all(path.stat().st_size for path in solution.export(tmp_path / "exported"))
+    solution.plot_contact(path=tmp_path / "contact.png")
+    assert (tmp_path / "contact.png").stat().st_size > 5_000
+    half_width = cd.reference.hertz_cylinder(10.0, 10.0, E, NU).half_width
+    assert np.abs(result.edge[:, 0]) == pytest.approx(half_width, abs=2 / 60)
+    assert result.at([[0.0, 0.0]])["pressure"] == pytest.approx(result.pressure.max(), rel=1e-3)
+    assert "force 10" in repr(solution)
+    assert solution.largest_strain == 0.0
+    with pytest.raises(ValueError, match="degree = 4: neither body of the contact has facets"):
+        solution.contact(degree=4)
+    with pytest.raises(ValueError, match="no body of the scene has a mesh"):
+        solution.plot_bodies()
+
+
+def test_results_on_a_grid():
+    ball = cd.RigidBody("ball", cd.Sphere((0, 0, 10), 10.0), displacement=(0, 0, -0.1))
+    result = solved(cd.HalfSpace("ground", SOFT, (2.4, 2.4), (16, 16)), ball, 1e5).contact()
+    assert result.at([[0.0, 0.0, 0.0]])["pressure"] == pytest.approx(result.pressure.max(), rel=0.02)
+    assert result.corners.shape == (256, 4, 3)
+    assert result.corners.mean(axis=1) == pytest.approx(result.x)
+
+
+def test_checkpoints_without_meshes(tmp_path):
+    file = tmp_path / "checkpoint.npz"
+    body, rigid = ground(), roll(force=10.0)
+    scene = cd.Scene([body, rigid], [cd.Contact(body, rigid, cd.LinearLayer(1e5))])
+    stopped = cd.solve(scene, max_iterations=2, checkpoint=file, on_failure="return")
+    assert not stopped.converged
+    assert cd.solve(scene, checkpoint=file).contact().force == pytest.approx(10.0, rel=1e-8)

@@ -17,6 +17,17 @@ def positive(name: str, value: Any) -> float:
     return number
 
 
+def positive_values(name: str, value: Any) -> Any:
+    """`value` as a float, or as an array of floats where it is one, refused unless all are finite and above zero."""
+    if not isinstance(value, np.ndarray) or value.ndim == 0:
+        return positive(name, value if not isinstance(value, np.ndarray) else value.item())
+    numbers = as_floats(name, value, "numbers > 0")
+    wrong = ~(np.isfinite(numbers) & (numbers > 0.0))
+    if np.any(wrong):
+        raise ValueError(f"{name}: {numbers[wrong].flat[0]:g} at a point; expected numbers > 0")
+    return numbers
+
+
 def finite(name: str, value: Any) -> float:
     """`value` as a float, refused unless it is a finite number."""
     scalar: Any = value

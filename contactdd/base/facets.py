@@ -6,7 +6,7 @@ points of any boundary facets: every element, degree and dimension by the same l
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
 
@@ -33,6 +33,10 @@ class FacetPoints:
     x: Floats
     normal: Floats
     area: Floats
+
+    def kept(self, places: NDArray[np.intp]) -> FacetPoints:
+        """Some of the points."""
+        return FacetPoints(*(getattr(self, field.name)[places] for field in fields(self)))
 
     def turned(self, isometry: Isometry) -> FacetPoints:
         """The same points on a copy of the mesh."""

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,12 @@ from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
-from ..quadrature import Rule, rule
-from .pairing import PointPairs, matching, matching_on, pair_by_segments
+from ..hard_contact import HardContact, augmented_layer
+from ..layer import Layer
+from ..meshless import MeshlessBody
+from ..quadrature import Quadrature, find_quadrature
+from .nodal import LinearFunctions, hats, node_coordinates, side_of_nodes
+from .pairing import Matching, PointPairs, matching, matching_on, pair_by_segments
 from .smooth import smooth_places
 from .surface import ContactSurface, Gather, PointSurface
 from .trace import normal_trace
@@ -32,9 +37,16 @@ class InterfaceSide:
     """
 
     body: int
-    surface: ContactSurface
+    surface: ContactSurface | PointSurface
     trace: scipy.sparse.csr_matrix
     transfer: Gather | scipy.sparse.csr_matrix
+
+    @property
+    def meshed(self) -> ContactSurface:
+        """The surface of a body that has a mesh."""
+        if not isinstance(self.surface, ContactSurface):
+            raise TypeError(f"body {self.body} of the scene has no mesh; expected one with facets")
+        return self.surface
 
 
 @dataclass(frozen=True)
@@ -54,12 +66,14 @@ class PrescribedGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's; normal:
-    (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found from the meshes; shape: (n,)
-    that which is given, and how: given; sides: both bodies; unmatched: the area of either surface that has no partner;
-    facets: on meshes that match, the second surface's opposite each of the first's; doubt: (n,) by how much `measured`
-    may be off where the facets do not tell what surface is meant, None if they do. Contact integrals are sums over the
-    points: J = Σ weights ∫₀^z g⁻.
+    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's, or the
+    nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found
+    from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal: makes the linear
+    functions of one surface's nodes; unmatched: the area of either surface that has no partner; facets: on meshes that
+    match, the second surface's opposite each of the first's; gathered: (nodes, n) which point's value each node of a
+    surface takes, None where the points are no nodes; doubt: (n,) by how much `measured` may be off where the facets do
+    not tell what surface is meant, None if they do; layer: the contact's law at the points, a hard contact's
+    `AugmentedLayer`. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -70,18 +84,84 @@ class Interface:
     shape: Floats
     given: PrescribedGap
     sides: tuple[InterfaceSide, InterfaceSide]
+    nodal: Callable[[], LinearFunctions]
     unmatched: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
+    gathered: scipy.sparse.csr_matrix | None = None
     doubt: Floats | None = None
+    layer: Layer = field(init=False)
+
+    def __post_init__(self) -> None:
+        # However the interface came about: its law is the one of its contact, at its points.
+        object.__setattr__(self, "layer", self._law())
+
+    def _law(self) -> Layer:
+        layer = self.contact.layer
+        if isinstance(layer, HardContact):
+            return augmented_layer(layer, min(float(each.max()) for each in self._stiffnesses_of_hard))
+        return layer.at(self.x.T)
+
+    @cached_property
+    def functions(self) -> LinearFunctions:
+        """The linear functions of the nodes of one surface."""
+        return self.nodal()
+
+    def nodal_field(self, pressure: Floats) -> Floats:
+        """A pressure at the points, L²-projected onto the linear functions: its values at all nodes of their surface.
+
+        Zero where the contact does not reach.
+        """
+        if self.gathered is not None:
+            return self.gathered @ pressure
+        return self.functions.everywhere(self.functions.projected(pressure, self.weights))
+
+    @cached_property
+    def facet_stiffness(self) -> float:
+        """E/h of the softer body's facets, the stiffness of a layer that is as stiff as they are."""
+        return min((float(np.median(stiffnesses)) for stiffnesses in self._facet_stiffnesses), default=np.inf)
+
+    @property
+    def _facet_stiffnesses(self) -> list[Floats]:
+        """E/h of the facets of both surfaces that have a mesh, or at the points of those that have none."""
+        found = [side.surface.stiffnesses for side in self.sides]
+        return [stiffnesses for stiffnesses in found if stiffnesses is not None]
+
+    @property
+    def _stiffnesses_of_hard(self) -> list[Floats]:
+        """The same, which a hard contact cannot be without."""
+        if not self._facet_stiffnesses:
+            names = " and ".join(repr(body.name) for body, _ in self.contact.sides)
+            raise ValueError(f"contact of {names} without a layer: expected a body with a mesh or point_stiffnesses()")
+        return self._facet_stiffnesses
+
+    @property
+    def unlike(self) -> bool:
+        """Whether a law meets two meshes that do not match at points or segments, not at nodes."""
+        meshed = all(isinstance(side.surface, ContactSurface) for side in self.sides)
+        return self.facets is None and self.gathered is None and meshed
 
     @cached_property
     def gap(self) -> Floats:
-        """d at the points, (n,)."""
-        return self.measured + self.shape
+        """d at the points, (n,), counted from where the layer begins."""
+        return self.measured + self.shape - self.layer.clearance
 
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
         return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap))
+
+    def with_layer(self, layer: Layer | HardContact) -> Interface:
+        """The same interface with the law of another layer."""
+        return replace(self, contact=self.contact.with_layer(layer))
+
+    def decomposed(self) -> Interface:
+        """The same interface for decomposed methods, which solve hard contacts more softly."""
+        layer = self.contact.layer
+        return self.with_layer(layer.decomposed()) if isinstance(layer, HardContact) else self
+
+    @property
+    def hard(self) -> bool:
+        """Whether the contact has no layer."""
+        return isinstance(self.contact.layer, HardContact)
 
 
 def without_rounding(distance: Floats, size: float) -> Floats:
@@ -92,18 +172,23 @@ def without_rounding(distance: Floats, size: float) -> Floats:
     return np.where(np.abs(distance) <= 1e-13 * size, 0.0, distance)
 
 
-def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None) -> Interface:
+def discretise(
+    contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None, split: bool = False
+) -> Interface:
     """The interface of a contact between the bodies at the given places of a scene.
 
-    facets: the second surface's opposite each of the first's, where they are known to match.
+    facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
+    split into segments even where they match.
     """
     if all(body.mesh is None for body, _ in contact.sides):
         return _between_meshless(contact, bodies)
     degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
-    quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
+    quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     if any(body.mesh is None for body, _ in contact.sides):
         return _opposite_meshless(contact, bodies, quadrature)
     first, second = _surfaces(contact, quadrature)
+    if split or quadrature.of_nodes:
+        return _on_segments(contact, bodies, first, second)
     matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
     if matched is None:
         return _on_segments(contact, bodies, first, second)
@@ -118,20 +203,30 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
             bodies[1], second, matched.in_order(second.mean(second.trace).tocsr()), second.spread(matched.places)
         ),
     )
-    facets = matched.facets
-    return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides, facets=facets)
+    return Interface(
+        contact.frozen(),
+        x,
+        normal,
+        first.value_weights,
+        measured,
+        shape,
+        given,
+        sides,
+        lambda: _linear_functions(first, second, matched),
+        facets=matched.facets,
+    )
 
 
-def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Rule) -> Interface:
-    """The interface between a meshed surface and a body without a mesh, at the points of the meshed one."""
+def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Quadrature) -> Interface:
+    """The interface between a meshed surface and a body without a mesh, at the points or nodes of the meshed one."""
     meshed = next(i for i, (body, _) in enumerate(contact.sides) if body.mesh is not None)
     (body, surface), (partner, _) = contact.sides[meshed], contact.sides[1 - meshed]
     own = ContactSurface(body, surface, quadrature)
+    if quadrature.of_nodes:
+        return _nodes_opposite_meshless(contact, bodies, own, partner, meshed)
     x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
-    trace = _operator(partner.normal_displacement(x, normal), len(x))
     places = smooth_places(own)
-    distance = _checked("gap", partner.gap(own.mean(places), normal), len(x), 1)
-    measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
+    trace, measured = _seen_meshless(contact, partner, x, own.mean(places), normal)
     given = PrescribedGap(places, own.average)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
@@ -139,8 +234,61 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Ru
         InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
     ]
     first, second = sides if meshed == 0 else reversed(sides)
-    outward = normal if meshed == 0 else -normal
-    return Interface(contact.frozen(), x, outward, weights, measured, given.at(contact.gap), given, (first, second))
+    return Interface(
+        contact.frozen(),
+        x,
+        normal if meshed == 0 else -normal,
+        weights,
+        measured,
+        given.at(contact.gap),
+        given,
+        (first, second),
+        lambda: LinearFunctions(own, own.points, own.weights, own.average),
+    )
+
+
+def _nodes_opposite_meshless(
+    contact: Contact, bodies: tuple[int, int], own: ContactSurface, partner: MeshlessBody, meshed: int
+) -> Interface:
+    """The same with the values at the nodes of the meshed surface."""
+    facets = np.repeat(np.arange(len(own.facets)), own.per_facet)
+    sampling = own.rule.sampling(own.weights, facets, lambda: hats(own, own.points))
+    values = sampling.mean
+    places = smooth_places(own)
+    trace, measured = _seen_meshless(contact, partner, own.points.x, places, own.points.normal)
+    normal = values @ own.points.normal
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    given = PrescribedGap(places, values)
+    weights, trace = sampling.weights, (values @ trace).tocsr()
+    points = Gather(np.arange(len(weights)), len(weights))
+    means = _facet_means(own, facets, own.weights, sampling.spread)
+    sides = [
+        InterfaceSide(bodies[meshed], own, (values @ own.trace).tocsr(), means),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+    ]
+    first, second = sides if meshed == 0 else reversed(sides)
+    return Interface(
+        contact.frozen(),
+        node_coordinates(own)[sampling.nodes],
+        normal if meshed == 0 else -normal,
+        weights,
+        values @ measured,
+        given.at(contact.gap),
+        given,
+        (first, second),
+        lambda: LinearFunctions(own, own.points, own.weights, values),
+        gathered=sampling.gathered,
+    )
+
+
+def _seen_meshless(
+    contact: Contact, partner: MeshlessBody, x: Floats, places: Floats, normal: Floats
+) -> tuple[scipy.sparse.csr_matrix, Floats]:
+    """The normal displacement of a body without a mesh at points x, as an operator on its unknowns, and its distance
+    from the places on the smooth surface."""
+    trace = _operator(partner.normal_displacement(x, normal), len(x))
+    distance = _checked("gap", partner.gap(places, normal), len(x), 1)
+    return trace, contact.measure_gap * without_rounding(distance, np.abs(x).max())
 
 
 def _between_meshless(contact: Contact, bodies: tuple[int, int]) -> Interface:
@@ -148,21 +296,43 @@ def _between_meshless(contact: Contact, bodies: tuple[int, int]) -> Interface:
     offered = [body.contact_points() for body, _ in contact.sides]
     owner = 0 if offered[0] is not None else 1
     x, outward, weights = offered[owner]
-    x, outward = _checked("contact_points", x, len(weights), 2), _checked("contact_points", outward, len(weights), 2)
-    weights = _checked("contact_points", weights, len(x), 1)
-    own, partner = contact.sides[owner][0], contact.sides[1 - owner][0]
-    measured = contact.measure_gap * without_rounding(
-        _checked("gap", partner.gap(x, outward), len(x), 1), np.abs(x).max()
+    count = len(weights)
+    x, outward = _checked("contact_points", x, count, 2), _checked("contact_points", outward, count, 2)
+    weights = _checked("contact_points", weights, count, 1)
+    partner = contact.sides[1 - owner][0]
+    distance = _checked("gap", partner.gap(x, outward), count, 1)
+    measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
+    sides = [
+        _side_of_points(contact, side, bodies[side], (x, -outward if side == owner else outward), weights)
+        for side in (0, 1)
+    ]
+    given = PrescribedGap(x, None)
+    return Interface(
+        contact.frozen(),
+        x,
+        outward if owner == 0 else -outward,
+        weights,
+        measured,
+        given.at(contact.gap),
+        given,
+        (sides[0], sides[1]),
+        _no_functions,
+        gathered=scipy.sparse.eye(count, format="csr"),
     )
-    given, sides = PrescribedGap(x, None), []
-    for place, body, direction in ((owner, own, -outward), (1 - owner, partner, outward)):
-        trace = _operator(body.normal_displacement(x, direction), len(x))
-        sides.append(
-            InterfaceSide(bodies[place], PointSurface(weights, trace), trace, Gather(np.arange(len(x)), len(x)))
-        )
-    first, second = sides if owner == 0 else reversed(sides)
-    normal = outward if owner == 0 else -outward
-    return Interface(contact.frozen(), x, normal, weights, measured, given.at(contact.gap), given, (first, second))
+
+
+def _side_of_points(
+    contact: Contact, side: int, place: int, rays: tuple[Floats, Floats], weights: Floats
+) -> InterfaceSide:
+    """One side of a contact between bodies without a mesh; rays: its points and the directions into this body."""
+    body, count = contact.sides[side][0], len(weights)
+    trace = _operator(body.normal_displacement(*rays), count)
+    points = PointSurface(weights, trace, stiffnesses=body.point_stiffnesses(), corners=body.contact_facets())
+    return InterfaceSide(place, points, trace, Gather(np.arange(count), count))
+
+
+def _no_functions() -> LinearFunctions:
+    raise ValueError("a contact between bodies without a mesh has no functions of facets; expected its own points")
 
 
 def _operator(values: Any, points: int) -> scipy.sparse.csr_matrix:
@@ -183,7 +353,7 @@ def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
     return array
 
 
-def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, ContactSurface]:
+def _surfaces(contact: Contact, quadrature: Quadrature) -> tuple[ContactSurface, ContactSurface]:
     """Both surfaces; where they are the same one of copies of a mesh, the second follows from the first."""
     (body, surface), (other, opposite) = contact.sides
     first = ContactSurface(body, surface, quadrature)
@@ -195,19 +365,20 @@ def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, Conta
 
 
 def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurface, second: ContactSurface) -> Interface:
-    """The interface between meshes that do not match; the rule "facet" takes one value per segment."""
-    if contact.quadrature == "vertex":
+    """The interface on the segments of both surfaces, as between meshes that do not match."""
+    surfaces, rule = (first, second), first.rule
+    if not rule.splits:
         raise MeshMismatchError(
-            f"contact {contact.name!r}: quadrature = 'vertex' needs meshes that match along the contact; "
-            "expected 'gauss' or 'facet'"
+            f"contact {contact.name!r}: quadrature = {rule.name!r} needs meshes that match along the contact; "
+            "expected 'gauss', 'facet' or 'mortar'"
         )
     partners = pair_by_segments(contact, first, second)
-    if contact.quadrature == "facet":
-        values, weights = partners.mean(), np.bincount(partners.segment, partners.weights)
-        member = np.unique(partners.segment, return_index=True)[1]
-    else:
-        values, weights = scipy.sparse.eye(len(partners.weights), format="csr"), partners.weights
-        member = np.arange(len(weights))
+    nodal = cache(lambda: side_of_nodes(surfaces, partners.facets))
+    sampling = rule.sampling(
+        partners.weights, partners.segment, lambda: hats(surfaces[nodal()], partners.points[nodal()])
+    )
+    values = sampling.mean
+    x = partners.places[0]
     normal = values @ partners.normal
     given = PrescribedGap(partners.middle, values)
     shape = given.at(contact.gap)
@@ -216,21 +387,23 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
             bodies[place],
             surface,
             (values @ _trace(surface, partners, place, sign)).tocsr(),
-            _facet_means(surface, partners.facets[place][member], weights),
+            _facet_means(surface, partners.facets[place], partners.weights, sampling.spread),
         )
         for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
     )
-    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
+    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate(surfaces))
     return Interface(
         contact.frozen(),
-        values @ partners.places[0],
+        values @ x if sampling.nodes is None else node_coordinates(surfaces[nodal()])[sampling.nodes],
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
-        weights,
-        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.places[0]).max())),
+        sampling.weights,
+        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(x).max())),
         shape,
         given,
         (sides[0], sides[1]),
+        lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
         (unmatched[0], unmatched[1]),
+        gathered=sampling.gathered,
         doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
 
@@ -243,15 +416,29 @@ def _trace(surface: ContactSurface, partners: PointPairs, place: int, sign: floa
     return trace if stretch is None else trace + stretch
 
 
-def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> scipy.sparse.csr_matrix:
-    """From the values at an interface, `owner` their facets, to a body's own integration points: the facets' means.
+def _linear_functions(first: ContactSurface, second: ContactSurface, matched: Matching) -> LinearFunctions:
+    """The linear functions of one surface's nodes on meshes that match."""
+    if side_of_nodes((first, second), (np.arange(len(first.facets)), matched.facets)) == 0:
+        return LinearFunctions(first, first.points, first.weights, first.average)
+    mean = scipy.sparse.eye(len(second.weights), format="csr") if second.average is None else second.average
+    return LinearFunctions(second, second.points, second.weights, matched.in_order(mean))
 
-    A facet that is only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
+
+def _facet_means(
+    surface: ContactSurface, owner: NDArray[np.intp], weights: Floats, spread: scipy.sparse.csr_matrix
+) -> scipy.sparse.csr_matrix:
+    """From the values at an interface to a body's own integration points: the facets' means.
+
+    owner, weights: the facets and areas of the interface's points; spread: from the values to these. A facet that is
+    only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
     """
     count = len(surface.facets)
-    shares = (weights / surface.facet_areas[owner], (owner, np.arange(len(owner))))
-    means = scipy.sparse.csr_matrix(shares, shape=(count, len(owner)))
-    return means[np.repeat(np.arange(count), surface.per_facet)]
+    total = (
+        scipy.sparse.csr_matrix((weights, (owner, np.arange(len(owner)))), shape=(count, len(owner))) @ spread
+    ).tocsr()
+    total.sort_indices()
+    total.data /= np.repeat(surface.facet_areas, np.diff(total.indptr))
+    return total[np.repeat(np.arange(count), surface.per_facet)]
 
 
 def _unmatched(surface: ContactSurface, partners: PointPairs, place: int) -> float:

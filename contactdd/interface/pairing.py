@@ -5,12 +5,14 @@ with the same weights: action equals reaction, in force and in moment, and nothi
 
 The law holds at every point of every segment, so a layer much stiffer than the facets (its stiffness times their size
 over E above about 10) asks for more than linear elements can give: the pressure then wavers from point to point around
-the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer than degree 1 with the same error.
+the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer than degree 1 with the same error. The
+result then gives the projected pressure; the quadrature "mortar" asks at the nodes of one surface only (`nodal`).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import basix
@@ -18,6 +20,7 @@ import numpy as np
 import scipy
 
 from ..base.arrays import Floats, Indices
+from ..base.basis import quadrature_rule
 from ..base.facets import FacetPoints, dot, facet_map, facet_points
 from ..errors import MeshMismatchError
 from .detection import FACING, facing_pairs
@@ -67,17 +70,10 @@ class PointPairs:
         """Midway between the smooth surfaces, (n, dim)."""
         return 0.5 * (self.places[0] + self.places[1])
 
-    def mean(self) -> scipy.sparse.csr_matrix:
-        """From the points to the segments: the mean over each."""
-        count = int(self.segment.max()) + 1
-        total = np.bincount(self.segment, self.weights, count)
-        rows = (self.weights / total[self.segment], (self.segment, np.arange(len(self.segment))))
-        return scipy.sparse.csr_matrix(rows, shape=(count, len(self.segment)))
-
     def covered(self, side: int, count: int) -> Floats:
         """How much of each of the side's `count` facets has a partner, in the facet's own area."""
         slope = np.abs(dot(self.points[side].normal, self.normal))
-        return np.bincount(self.facets[side], self.weights / slope, count)
+        return np.asarray(np.bincount(self.facets[side], self.weights / slope, count), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -113,7 +109,7 @@ def matching_on(first: ContactSurface, second: ContactSurface, facets: Indices) 
 
     facets: the second surface's opposite each of the first's.
     """
-    if first.rule.name == "facet":
+    if first.per_value == first.per_facet:  # one value on each facet
         return Matching(facets, facets)
     dim, n = first.body.mesh.dim, len(first.facets)
     if np.array_equal(facets, np.arange(n)) and _in_order(first, second, np.inf):
@@ -173,7 +169,7 @@ def pair_by_segments(contact: Contact, first: ContactSurface, second: ContactSur
     pairs = (pairs[0][facing], pairs[1][facing])
     common = common_normals(flat[0][pairs[0]], flat[1][pairs[1]])
     simplex = basix.CellType.interval if first.body.mesh.dim == 2 else basix.CellType.triangle
-    rule = basix.make_quadrature(simplex, first.rule.degree)
+    rule = quadrature_rule(simplex, first.rule.degree)
     found = segments(first.corners[pairs[0]], second.corners[pairs[1]], common, *rule)
     if len(found.pair) == 0:  # an element is not asked for its values at no point
         raise MeshMismatchError(_why_none(contact, first, second))
@@ -216,9 +212,7 @@ def _opposite(
         for place, side in enumerate(sides):
             entities = side.entities[facets[place]]
             domain = side.body.mesh.domain
-            local[place] = meet_line(
-                lambda s, domain=domain, entities=entities: facet_map(domain, entities, s), line, normal, local[place]
-            )
+            local[place] = meet_line(partial(facet_map, domain, entities), line, normal, local[place])
             points.append(facet_points(domain, entities, local[place]))
         outward = [_normals(*seen) for seen in zip(shapes, facets, local, points, strict=True)]
         if turns > 0:
