@@ -42,8 +42,9 @@ class Plane(Shape):
 class FlatPunch(Shape):
     """A punch with a flat end and a sharp edge: a cylinder, in the plane a strip.
 
-    The pressure of elastic bodies is singular at its edge; meshes should have nodes there. A rounded edge is a
-    `Profile`.
+    The pressure of elastic bodies is singular at its edge; meshes should have nodes there, and the rule "gauss": of a
+    hard contact and with "mortar" a node at the edge, half of whose surroundings are opposite nothing, carries nothing.
+    A rounded edge is a `Profile`.
 
     Args:
         centre: (dim,) the middle of its end (length); on the axis of a body of revolution.
