@@ -15,6 +15,7 @@ LEVELS = [
     ["base"],
     ["errors", "parameter"],
     ["field", "kinematics", "layer", "quadrature", "mesh", "material"],
+    ["hard_contact", "layers"],
     ["files"],
     ["body_result", "contact_result", "surface_result"],
     ["view"],
