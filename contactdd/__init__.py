@@ -28,8 +28,6 @@ from .errors import (
     NotConvergedError,
 )
 from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
-from .half_plane import HalfPlane
-from .half_space import AxisymmetricHalfSpace, HalfSpace
 from .hard_contact import HardContact
 from .history import History, Record
 from .layer import Layer, LinearLayer, PowerLayer
@@ -43,13 +41,10 @@ from .material import Anisotropic, Isotropic, Material, Orthotropic
 from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
-from .periodic import ElasticStrip, PeriodicHalfPlane
 from .programme import LoadPath, StepFailedError, programme
-from .rigid_body import RigidBody
 from .saved import SavedSolution, load_solution
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
-from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
 from .solution import Solution
 from .solve import solve
 from .support import Displacement, Fixed, Spring, Symmetry
@@ -57,6 +52,8 @@ from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from . import reference
+    from .half_plane import HalfPlane
+    from .half_space import AxisymmetricHalfSpace, HalfSpace
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
     from .layers.hyperbolic import HyperbolicLayer
@@ -65,6 +62,29 @@ if TYPE_CHECKING:
     from .layers.series import SeriesLayer
     from .layers.table import TableLayer
     from .layers.varying import VaryingLayer
+    from .mirror_plane import MirrorPlane
+    from .periodic import ElasticStrip, PeriodicHalfPlane
+    from .rigid_body import RigidBody
+    from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
+
+#: Where the bodies without a mesh are, and the shapes of rigid ones: imported when first asked for.
+_PARTNERS = {
+    "AxisymmetricHalfSpace": "half_space",
+    "Cone": "shapes",
+    "Cylinder": "shapes",
+    "ElasticStrip": "periodic",
+    "FlatPunch": "shapes",
+    "HalfPlane": "half_plane",
+    "HalfSpace": "half_space",
+    "LevelSet": "shapes",
+    "MirrorPlane": "mirror_plane",
+    "PeriodicHalfPlane": "periodic",
+    "Plane": "shapes",
+    "Profile": "shapes",
+    "RigidBody": "rigid_body",
+    "Shape": "shapes",
+    "Sphere": "shapes",
+}
 
 #: Where the layer laws are that most scenes don't use: imported when first asked for.
 _LAWS = {
@@ -124,6 +144,7 @@ __all__ = [
     "Mesh",
     "MeshMismatchError",
     "MeshlessBody",
+    "MirrorPlane",
     "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
@@ -170,9 +191,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """The module `reference` or a layer law, imported when first asked for, as solving needs neither; old names."""
+    """The module `reference`, a layer law or a body without a mesh, imported when first asked for; old names."""
     if name == "reference":
         return import_module(".reference", __name__)
+    if name in _PARTNERS:
+        return getattr(import_module(f".{_PARTNERS[name]}", __name__), name)
     if name in _LAWS:
         return getattr(import_module(f".layers.{_LAWS[name]}", __name__), name)
     if name == "Path":

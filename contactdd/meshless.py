@@ -46,6 +46,8 @@ class MeshlessBody(ABC):
     mesh = None
     #: A local solver of its own, a function of a `LocalTask`; None for dense algebra on `stiffness`.
     local_solver = None
+    #: Whether it stands for the mirror image of what touches it, with half of the layer and of the given gap.
+    mirrors: bool = False
     length: float = 0.0
 
     def __init__(self, name: str, kinematics: str = "plane strain") -> None:

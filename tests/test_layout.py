@@ -22,7 +22,7 @@ LEVELS = [
     ["history"],
     ["elements"],
     ["support", "load"],
-    ["body", "elastic_surface", "half_plane", "half_space", "meshless", "periodic", "rigid_body"],
+    ["body", "elastic_surface", "half_plane", "half_space", "meshless", "mirror_plane", "periodic", "rigid_body"],
     ["contact"],
     ["interface"],
     ["sample", "small_strains"],

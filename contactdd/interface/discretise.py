@@ -52,13 +52,14 @@ class InterfaceSide:
 @dataclass(frozen=True)
 class PrescribedGap:
     """Where a given gap is evaluated, points (m, dim), and how the values at an interface follow, mean (n, m), None if
-    they are the same."""
+    they are the same; part: how much of it lies on this side of the contact."""
 
     points: Floats
     mean: scipy.sparse.csr_matrix | None
+    part: float = 1.0
 
     def at(self, gap: Gap) -> Floats:
-        values = evaluate("gap", gap, self.points.T)
+        values = self.part * evaluate("gap", gap, self.points.T)
         return values if self.mean is None else self.mean @ values
 
 
@@ -99,7 +100,8 @@ class Interface:
         layer = self.contact.layer
         if isinstance(layer, HardContact):
             return augmented_layer(layer, min(float(each.max()) for each in self._stiffnesses_of_hard))
-        return layer.at(self.x.T)
+        law = layer.at(self.x.T)
+        return _half(law) if _mirrored(self.contact) else law
 
     @cached_property
     def functions(self) -> LinearFunctions:
@@ -227,7 +229,7 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
     x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
     places = smooth_places(own)
     trace, measured = _seen_meshless(contact, partner, x, own.mean(places), normal)
-    given = PrescribedGap(places, own.average)
+    given = PrescribedGap(places, own.average, part=0.5 if _mirrored(contact) else 1.0)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
         InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
@@ -258,7 +260,7 @@ def _nodes_opposite_meshless(
     trace, measured = _seen_meshless(contact, partner, own.points.x, places, own.points.normal)
     normal = values @ own.points.normal
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    given = PrescribedGap(places, values)
+    given = PrescribedGap(places, values, part=0.5 if _mirrored(contact) else 1.0)
     weights, trace = sampling.weights, (values @ trace).tocsr()
     points = Gather(np.arange(len(weights)), len(weights))
     means = _facet_means(own, facets, own.weights, sampling.spread)
@@ -279,6 +281,18 @@ def _nodes_opposite_meshless(
         lambda: LinearFunctions(own, own.points, own.weights, values),
         gathered=sampling.gathered,
     )
+
+
+def _mirrored(contact: Contact) -> bool:
+    """Whether a contact is that of a body with its mirror image."""
+    return any(body.mesh is None and body.mirrors for body, _ in contact.sides)
+
+
+def _half(law: Layer) -> Layer:
+    """The half of a law that lies on one side of a mirror plane."""
+    from ..layers.halved import HalvedLayer
+
+    return HalvedLayer(law)
 
 
 def _seen_meshless(
@@ -306,7 +320,7 @@ def _between_meshless(contact: Contact, bodies: tuple[int, int]) -> Interface:
         _side_of_points(contact, side, bodies[side], (x, -outward if side == owner else outward), weights)
         for side in (0, 1)
     ]
-    given = PrescribedGap(x, None)
+    given = PrescribedGap(x, None, part=0.5 if _mirrored(contact) else 1.0)
     return Interface(
         contact.frozen(),
         x,
