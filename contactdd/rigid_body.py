@@ -83,6 +83,11 @@ class RigidBody(MeshlessBody):
     def gap(self, x: Floats, direction: Floats) -> Floats:
         found = self.shape.distance(x, direction)
         finite = found[np.isfinite(found)]
+        if len(finite) == 0:
+            raise ValueError(
+                f"body {self.name!r}: from none of the contact's {len(x)} points does a ray along the normal enter "
+                f"{self.shape!r}; expected a shape that lies opposite them, its own normals towards them"
+            )
         far = FAR * max(np.abs(finite).max(initial=0.0), float(np.linalg.norm(x - self.about, axis=1).max()))
         return np.where(np.isfinite(found), found, far)
 

@@ -402,6 +402,7 @@ def test_a_block_on_the_half_space():
         (lambda: cd.AxisymmetricHalfSpace("g", SOFT, [1, 2]), "nodes\\[0\\] = 1: expected radii from 0"),
         (lambda: cd.HalfSpace("g", SOFT, (1, 0), (4, 4)), "size = .*: expected two numbers > 0"),
         (lambda: cd.HalfSpace("g", SOFT, (1, 1), (4, 1)), "cells = .*: expected two whole numbers >= 2"),
+        (lambda: cd.HalfSpace("g", SOFT, (1, 1), (100, 100)), "10000 rectangles; expected 8000 at most"),
         (lambda: cd.HalfSpace("g", SOFT, (1, 1), (4, 4), along=(0, 0, 1)), "along = .*not along the normal"),
         (lambda: cd.ElasticStrip("g", SOFT, 0, 1, 4), "thickness = 0: expected a number > 0"),
         (lambda: cd.PeriodicHalfPlane("g", SOFT, 1, 0), "count = 0: expected a whole number"),

@@ -241,11 +241,16 @@ def test_what_else_is_refused():
         moving.prescribed()
 
 
-def test_nothing_holds_a_ball_beside_the_block():
-    body = ring_block(far=8.0)
-    mesh = body.mesh
-    assert mesh is not None
-    missing = cd.RigidBody("punch", cd.FlatPunch((100, 1), 1.0), displacement=(0, None), force=(0, -1.0))
+def test_shapes_that_lie_opposite_nothing_are_refused():
+    """A punch beside the block, or a plane with its normal the wrong way round, is no open contact but a mistake."""
+    block = cd.Body("block", cd.rectangle((0, -1), (1, 0), (4, 4)), SOFT, supports=[cd.Fixed("bottom")])
+    for shape in (cd.FlatPunch((100, 1), 1.0), cd.Plane((0, 0), (0, 1)), cd.LevelSet(lambda x: 5 - x[1], (0, 5), 1.0)):
+        with pytest.raises(ValueError, match=r"body 'tool': from none of the contact's \d+ points"):
+            solved(block, cd.RigidBody("tool", shape), LAYER)
+
+
+def test_nothing_holds_a_ball_that_is_pulled():
+    lifted = cd.RigidBody("tool", cd.Plane((0, 0), (0, -1)), displacement=(0, None), force=(0, 1.0))
     block = cd.Body("block", cd.rectangle((0, -1), (1, 0), (4, 4)), SOFT, supports=[cd.Fixed("bottom")])
     with pytest.raises(cd.ContactError):
-        solved(block, missing, LAYER)
+        solved(block, lifted, LAYER)
