@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from .periodic import ElasticStrip, PeriodicHalfPlane
     from .rigid_body import RigidBody
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
+    from .shapes.faceted import FacetedSurface
 
 #: Where the bodies without a mesh are, and the shapes of rigid ones: imported when first asked for.
 _PARTNERS = {
@@ -73,6 +74,7 @@ _PARTNERS = {
     "Cone": "shapes",
     "Cylinder": "shapes",
     "ElasticStrip": "periodic",
+    "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
     "HalfPlane": "half_plane",
     "HalfSpace": "half_space",
@@ -120,6 +122,7 @@ __all__ = [
     "Displacement",
     "ElasticStrip",
     "ExponentialLayer",
+    "FacetedSurface",
     "Fields",
     "Fixed",
     "FlatPunch",

@@ -105,6 +105,19 @@ def test_one_ball_however_it_is_described():
     assert measured == pytest.approx(pressures[0], abs=5e-3 * pressures[0].max())
 
 
+def test_a_meshed_shape_presses_like_the_round_one():
+    """A cylinder of facets h long on a bed of springs: F and where it presses, to (h/R)² of the depth."""
+    angle = np.linspace(-0.2, 0.2, 81) - np.pi / 2
+    circle = np.column_stack([np.cos(angle), np.sin(angle) + 1]) * 10.0
+    mesh = cd.rectangle((-1.5, -1), (1.5, 0), (60, 2), shape="quadrilateral")
+    body = cd.Body("bed", mesh, STIFF, supports=[cd.Fixed("bottom")])
+    shapes = [cd.FacetedSurface(np.stack([circle[:-1], circle[1:]], axis=1)), cd.Cylinder((0, 10), 10.0)]
+    rolls = [cd.RigidBody("roll", shape, displacement=(0, -0.05), about=(0, 10)) for shape in shapes]
+    faceted, round_ = (solved(body, each, cd.LinearLayer(100.0)).contact() for each in rolls)
+    assert faceted.force == pytest.approx(round_.force, rel=1e-3)  # h = 0.05: gaps of h²/(8R) = 3e-5 against 0.05
+    assert faceted.force < round_.force
+
+
 def test_a_rigid_ball_on_an_elastic_foundation():
     """F = k π h² (3R − h)/3 of the ball, not the paraboloid, on a bed of springs (BENCHMARKS 13)."""
     k, radius, depth = 50.0, 2.0, 0.5

@@ -161,3 +161,72 @@ def test_inside_is_negative():
 def test_what_is_refused(make, message):
     with pytest.raises((ValueError, TypeError), match=message):
         make()
+
+
+# Facets
+
+
+def sphere_of_facets(cells=24):
+    """A ball of radius 1 about (0, 0, 2): a cube's six faces blown up, its triangles with their normals outwards."""
+    s = np.linspace(-1, 1, cells + 1)
+    a, b = np.meshgrid(s, s, indexing="ij")
+    face = np.stack([a, b, np.ones_like(a)], axis=-1)
+    quads = [face[:-1, :-1], face[1:, :-1], face[1:, 1:], face[:-1, 1:]]
+    one = np.concatenate([np.stack([quads[0], quads[i], quads[i + 1]], axis=2).reshape(-1, 3, 3) for i in (1, 2)])
+    faces = [np.roll(sign * one, shift, axis=2)[:, ::sign] for shift in range(3) for sign in (1, -1)]
+    corners = np.concatenate(faces)
+    return corners / np.linalg.norm(corners, axis=2, keepdims=True) + [0, 0, 2]
+
+
+def test_facets_of_a_sphere():
+    shape, exact = cd.FacetedSurface(sphere_of_facets()), cd.Sphere((0, 0, 2), 1.0)
+    x, direction = rays(3)
+    x[:, :2] *= 0.5
+    found, expected = shape.distance(x, direction), exact.distance(x, direction)
+    # h = 1/12 on the cube: facets lie h²/8 · a few inside of the sphere; no ray slips through between them.
+    away = np.linalg.norm(np.cross(direction, x - [0, 0, 2]), axis=1)
+    assert np.all(np.isfinite(found[away < 0.9]))
+    assert found[away < 0.9] == pytest.approx(expected[away < 0.9], abs=8e-3)
+    assert np.all(found[away < 0.9] >= expected[away < 0.9] - 1e-12)
+    assert np.all(np.isinf(found[away > 1.0]))
+    seam = np.array([[0.0, 0.0, 0.0], [shape.corners[0, 0, 0], shape.corners[0, 0, 1], 0.0]])
+    assert np.all(np.isfinite(shape.distance(seam, np.array([UP, UP]))))  # through a common corner
+
+
+@pytest.mark.parametrize("binary", [True, False])
+def test_stl_files(binary, tmp_path):
+    corners, file = sphere_of_facets(4), tmp_path / "ball.stl"
+    if binary:
+        record = np.zeros(len(corners), [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("word", "<u2")])
+        record["corners"] = corners
+        file.write_bytes(b"solid but binary".ljust(80) + np.uint32(len(corners)).tobytes() + record.tobytes())
+    else:
+        loops = ("\n".join("vertex " + " ".join(f"{c:.9e}" for c in corner) for corner in facet) for facet in corners)
+        body = "\n".join(f"facet normal 0 0 0\nouter loop\n{loop}\nendloop\nendfacet" for loop in loops)
+        file.write_text(f"solid ball\n{body}\nendsolid ball\n")
+    assert cd.FacetedSurface.from_stl(file).corners == pytest.approx(corners, abs=1e-6)  # single precision
+    file.write_bytes(file.read_bytes()[:200])
+    with pytest.raises(ValueError, match=r"path = .*: expected an STL file with triangles"):
+        cd.FacetedSurface.from_stl(file)
+
+
+@pytest.mark.parametrize("shape", ["triangle", "quadrilateral", "tetrahedron", "hexahedron"])
+def test_facets_of_meshes(shape):
+    """The bottom of a block above the points, and its top, which faces away."""
+    flat = shape in ("triangle", "quadrilateral")
+    mesh = (
+        cd.rectangle((-2, 1), (2, 2), (3, 2), shape=shape)
+        if flat
+        else cd.box((-2, -2, 1), (2, 2, 2), (3, 3, 2), shape=shape)
+    )
+    x, direction = rays(2 if flat else 3)
+    bottom = cd.FacetedSurface.from_mesh(mesh, "bottom").distance(x, direction)
+    assert x[:, -1] + bottom * direction[:, -1] == pytest.approx(1.0, rel=1e-13)
+    assert np.all(np.isinf(cd.FacetedSurface.from_mesh(mesh, "top").distance(x, direction)))
+
+
+def test_facets_that_are_refused():
+    with pytest.raises(ValueError, match=r"corners of shape \(1, 2, 3\)"):
+        cd.FacetedSurface(np.zeros((1, 2, 3)))
+    with pytest.raises(ValueError, match=r"corners\[1\] = .*: this facet has no area"):
+        cd.FacetedSurface([[[0, 0], [1, 0]], [[2, 2], [2, 2]]])
