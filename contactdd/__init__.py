@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from .layers.varying import VaryingLayer
     from .mirror_plane import MirrorPlane
     from .periodic import ElasticStrip, PeriodicHalfPlane
+    from .periodic_half_space import PeriodicHalfSpace
     from .rigid_body import RigidBody
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
@@ -81,6 +82,7 @@ _PARTNERS = {
     "LevelSet": "shapes",
     "MirrorPlane": "mirror_plane",
     "PeriodicHalfPlane": "periodic",
+    "PeriodicHalfSpace": "periodic_half_space",
     "Plane": "shapes",
     "Profile": "shapes",
     "RigidBody": "rigid_body",
@@ -154,6 +156,7 @@ __all__ = [
     "OverclosureLayer",
     "Parameter",
     "PeriodicHalfPlane",
+    "PeriodicHalfSpace",
     "Plane",
     "PowerLayer",
     "Pressure",

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from .base.arrays import Floats
 from .base.checks import as_floats
+from .base.spectral import SpectralStiffness
 from .material import Isotropic
 from .meshless import MeshlessBody
 from .parameter import Parameter, current
@@ -115,7 +116,7 @@ class ElasticSurface(MeshlessBody):
         rows = scipy.sparse.hstack([scipy.sparse.csr_matrix(np.ones((len(x), 1))), self.interpolation(x)])
         return scipy.sparse.diags(seen) @ rows.tocsr()
 
-    def stiffness(self) -> Floats:
+    def stiffness(self) -> Floats | SpectralStiffness:
         if self._known is None:
             self._known = _with_translation(self.name, self.flexibility())
         return self._known
@@ -133,8 +134,10 @@ class ElasticSurface(MeshlessBody):
 
     def rigid_motions(self) -> tuple[Floats, Floats]:
         motions = self.kinematics.rigid_modes(np.zeros((1, 3)))[0]
+        translation = np.zeros((self.size, 1))
+        translation[0] = 1.0
         # All modes at their centre: the translations are those that move it.
-        return np.eye(self.size)[:, :1], (motions.T @ self.normal)[:, None]
+        return translation, (motions.T @ self.normal)[:, None]
 
     def resultant(self, forces: Floats) -> Floats:
         total = forces[0] * self.normal

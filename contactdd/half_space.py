@@ -101,6 +101,9 @@ class HalfSpace(ElasticSurface):
         401
     """
 
+    #: The most rectangles: three matrices of 8000² take 1.5 GB, a factorisation half a minute.
+    most = 8000
+
     def __init__(
         self,
         name: str,
@@ -118,8 +121,9 @@ class HalfSpace(ElasticSurface):
         if self.extent.shape != (2,) or not np.all(np.isfinite(self.extent)) or not np.all(self.extent > 0):
             raise ValueError(f"size = {size!r}: expected two numbers > 0")
         self.cells = _counts(cells)
-        if self.cells[0] * self.cells[1] > MOST:
-            raise ValueError(f"cells = {cells!r}: {self.cells[0] * self.cells[1]} rectangles; expected {MOST} at most")
+        if self.cells[0] * self.cells[1] > self.most:
+            count = self.cells[0] * self.cells[1]
+            raise ValueError(f"cells = {cells!r}: {count} rectangles; expected {self.most} at most")
         self.length = float(self.extent.max())
         self.steps = self.extent / self.cells
         super().__init__(name, material, "solid", origin, normal, displacement, force)
@@ -174,10 +178,6 @@ class HalfSpace(ElasticSurface):
             step * (np.arange(count) - 0.5 * (count - 1)) for step, count in zip(self.steps, self.cells, strict=True)
         )
         return a, b
-
-
-#: Rectangles of a dense half-space: three matrices of 8000² take 1.5 GB, a factorisation half a minute.
-MOST = 8000
 
 
 def _counts(cells: tuple[int, int]) -> tuple[int, int]:

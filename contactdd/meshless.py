@@ -11,6 +11,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from .base.arrays import Floats, Operator
+from .base.spectral import SpectralStiffness
 from .kinematics import kinematics as find_kinematics
 
 
@@ -109,7 +110,7 @@ class MeshlessBody(ABC):
         """The number of degrees of freedom; by default those of a rigid body."""
         return self.kinematics.rigid_modes(np.zeros((1, 3))).shape[2]
 
-    def stiffness(self) -> Floats:
+    def stiffness(self) -> Floats | SpectralStiffness:
         """The stiffness (dofs, dofs) between the degrees of freedom; zero of a rigid body."""
         return np.zeros((self.size, self.size))
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..base.spectral import SpectralStiffness
 from ..interface.discretise import Interface, InterfaceSide
 from .assembled import AssembledProblem
 from .condensed import CondensedProblem
@@ -26,6 +27,7 @@ from .meshless import MeshlessProblem
 from .multigrid import MultigridProblem
 from .problem import LocalProblem
 from .remote import CollectiveOperator, RemoteProblem, SharedProblem
+from .spectral import SpectralProblem
 from .task import LocalTask
 
 #: The kind of a problem that a body makes itself.
@@ -37,6 +39,12 @@ LocalSolver = Callable[[LocalTask], LocalProblem]
 def _assembled(task: LocalTask) -> LocalProblem:
     refuse_if_too_large(task.body)
     return AssembledProblem(task)
+
+
+def _meshless(task: LocalTask) -> LocalProblem:
+    """The problem of a body without a mesh: by dense algebra, or by transforms where its stiffness is spectral."""
+    stiffness = task.body.stiffness()
+    return SpectralProblem(task, stiffness) if isinstance(stiffness, SpectralStiffness) else MeshlessProblem(task)
 
 
 #: The local solvers by name.
@@ -120,7 +128,7 @@ class LocalSolvers:
     def _problem(self, kind: str, index: int) -> LocalProblem:
         """One body's local problem, made when first asked for."""
         if (kind, index) not in self._problems:
-            make = (self._bodies[index].local_solver or MeshlessProblem) if kind == OWN else LOCAL_SOLVERS[kind]
+            make = (self._bodies[index].local_solver or _meshless) if kind == OWN else LOCAL_SOLVERS[kind]
             self._problems[kind, index] = make(self._task(kind, index))
         return self._problems[kind, index]
 

@@ -11,6 +11,7 @@ import scipy
 
 from ..base.arrays import Floats, Indices, Operator
 from ..base.ranks import Ranks
+from ..base.spectral import SpectralStiffness
 from .condensed import CondensedProblem, seen_from
 from .dense import DenseSystem
 from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
@@ -43,6 +44,8 @@ class CollectiveOperator:
 
 def as_matrix(operator: Any) -> Operator:
     """The matrix of an operator; one that a single rank holds is sent to all."""
+    if isinstance(operator, SpectralStiffness):
+        return operator.toarray()
     return operator.gathered() if isinstance(operator, CollectiveOperator) else operator
 
 
