@@ -52,7 +52,7 @@ def test_layer_in_place_of_a_hard_contact_and_back(layer):
 
 
 def test_penalty_is_a_stiffness():
-    """k of the augmented Lagrangian goes with the softer facets' E/h; it is less in decomposed methods, unless given."""
+    """k of the augmented Lagrangian goes with the softer facets' E/h; less in decomposed methods, unless given."""
     softest = E[0] / 0.5  # facets 0.5 long, the upper ones' are E₂/0.4
     for penalty, softer in ((None, 0.3 / 30.0), (7.0, 1.0)):
         here, stiff = (pressed_columns(cd.HardContact(penalty), scale=scale).interfaces[0] for scale in (1.0, 1e3))
