@@ -80,7 +80,12 @@ class Mesh:
     @property
     def size(self) -> float:
         """The longest side of the mesh's bounding box."""
-        return float(np.ptp(self.domain.geometry.x, axis=0).max())
+        return float(self.extent.max())
+
+    @cached_property
+    def extent(self) -> NDArray[np.float64]:
+        """The sides of the mesh's bounding box, (dim,) (length)."""
+        return np.ptp(self.domain.geometry.x[:, : self.dim], axis=0)
 
     def facets(self, surface: str) -> NDArray[np.int32]:
         """The facet indices of a named surface, sorted, (facets,).

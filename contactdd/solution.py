@@ -602,7 +602,7 @@ def _contact_result(
         found.at_points if wavers else pressure,
         interface.unmatched,
         interface.gap,
-        meshed.corners,
+        lambda: meshed.corners,
         meshed.body.kinematics.axisymmetric,
         pressure,
         wavers,
