@@ -71,10 +71,10 @@ def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
 
 
 def surface_result(
-    interface: Interface, place: int, gap: Floats, pressure: Floats, displacement: fem.Function
+    interface: Interface, side_index: int, gap: Floats, pressure: Floats, displacement: fem.Function
 ) -> SurfaceResult:
-    """The side `place` (0 or 1) of a contact facet by facet, from the values at the interface's points."""
-    side = interface.sides[place]
+    """The side `side_index` (0 or 1) of a contact facet by facet, from the values at the interface's points."""
+    side = interface.sides[side_index]
     surface, body = side.meshed, side.meshed.body
     points, cells, kind, u, at = _facet_nodes(body, surface.entities, displacement)
     carries = interface.functions.surface is surface

@@ -94,10 +94,10 @@ def hats(surface: ContactSurface, points: FacetPoints) -> scipy.sparse.csr_matri
     basis = basis_values(_linear(compat.coordinate_map(domain).cell_type), points.reference)
     point, corner = np.nonzero(basis > 1e-12)  # those of inner vertices vanish on a facet
     # The first of a cell's geometry nodes are its vertices.
-    place = np.searchsorted(nodes, compat.geometry_dofmap(domain)[points.cells[point], corner])
+    node = np.searchsorted(nodes, compat.geometry_dofmap(domain)[points.cells[point], corner])
     values = basis[point, corner]
     values /= np.bincount(point, values, len(basis))[point]  # their sum is one to the last digit
-    return scipy.sparse.csr_matrix((values, (point, place)), shape=(len(basis), len(nodes)))
+    return scipy.sparse.csr_matrix((values, (point, node)), shape=(len(basis), len(nodes)))
 
 
 def side_of_nodes(surfaces: tuple[ContactSurface, ContactSurface], facets: tuple[Indices, Indices]) -> int:

@@ -37,8 +37,8 @@ class CoupledSystem:
             root = np.sqrt(weights)[:, None] * approach
             matrix = scipy.linalg.blas.dsyrk(1.0, root.T, beta=1.0, c=matrix, overwrite_c=True)
         else:
-            places, entries = self._map
-            matrix.T.ravel()[places] += entries @ weights
+            positions, entries = self._map
+            matrix.T.ravel()[positions] += entries @ weights
         matrix[fixed, fixed] += self._ensemble.rigid.stiffness_scale
         _, solution, info = scipy.linalg.lapack.dposv(matrix, rhs, overwrite_a=True)
         if info != 0:

@@ -69,11 +69,11 @@ class Krylov:
         )
 
     def _held(self, phi: Phi) -> dict[int, Solver]:
-        """(S + Φ)⁻¹ of every body that this rank holds, by its place: factors stay where they are made."""
+        """(S + Φ)⁻¹ of each body that this rank holds, by its index: factors stay where they are made."""
         held = {}
 
-        def make(place: int) -> None:
-            held[place] = self._ensemble.problems[place].robin_solver(phi)
+        def make(body_index: int) -> None:
+            held[body_index] = self._ensemble.problems[body_index].robin_solver(phi)
 
         self._ranks.each(make)
         return held
@@ -82,13 +82,13 @@ class Krylov:
         """(S + Φ)⁻¹ of every body, independently."""
         forces = self._ensemble.split(vector)
         self.body_solves += len(forces)
-        return np.concatenate(self._ranks.each(lambda place: held[place](forces[place])))
+        return np.concatenate(self._ranks.each(lambda i: held[i](forces[i])))
 
     def _coarse_space(self, phi: Phi) -> Floats:
         """Rigid motions and lowest modes, orthonormal, (all unknowns, modes)."""
 
-        def of(place: int) -> Floats:
-            problem = self._ensemble.problems[place]
+        def of(body_index: int) -> Floats:
+            problem = self._ensemble.problems[body_index]
             modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
             return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
 

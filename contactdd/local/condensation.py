@@ -207,15 +207,15 @@ def _half(matrix: Floats, coupling: Floats) -> Floats:
 def _sparse_sum(blocks: Floats, gather: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
     """Σ Pᵀ B P of the blocks (cells, n, n), P the rows of `gather` (cells · n, unknowns) that belong to a cell."""
     count, size, _ = blocks.shape
-    places = np.arange(count + 1)
-    diagonal = scipy.sparse.bsr_matrix((blocks, places[:-1], places), shape=(count * size, count * size))
+    positions = np.arange(count + 1)
+    diagonal = scipy.sparse.bsr_matrix((blocks, positions[:-1], positions), shape=(count * size, count * size))
     product = gather.T.tocsr() @ diagonal.tocsr() @ gather
     return product.T.tocsr()  # the same, but every row's entries are in order
 
 
-def _dense_sum(blocks: Floats, places: NDArray[np.intp], size: int) -> Floats:
-    """The same sum as a dense matrix (size, size); places: of every row of P, `size` where it is zero."""
-    rows = places.reshape(len(blocks), -1)
+def _dense_sum(blocks: Floats, positions: NDArray[np.intp], size: int) -> Floats:
+    """The same sum as a dense matrix (size, size); positions: of every row of P, `size` where it is zero."""
+    rows = positions.reshape(len(blocks), -1)
     flat = (size + 1) * rows[:, :, None] + rows[:, None]
     total = np.asarray(np.bincount(flat.ravel(), blocks.ravel(), (size + 1) ** 2), dtype=float)
     return total.reshape(size + 1, -1)[:size, :size]
