@@ -169,6 +169,8 @@ class Run:
         reason = self._ranks.any_says("" if finite else self._strange(state))
         if reason:
             raise NotANumberError(reason)
+        if forces.size == 0.0 and size <= ROUNDING * self.ensemble.rigid.stiffness_scale * norm(state.unknowns):
+            size = 0.0  # nothing is at work, and a rigid motion's rounding is no force
         scale = self._scale(forces.size, size)
         return Measured(forces, scale, self._ranks.agree(size / scale if scale > 0.0 else 0.0))
 
