@@ -56,7 +56,7 @@ def nodal_stress(body: Body, stress: fem.Function) -> tuple[Floats, Floats]:
 
 
 def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
-    """How a body's nodes x (n, dim) are shifted in pictures so that its contact surface fits."""
+    """The shift of a body's nodes x (n, dim) in pictures so that its contact surface fits."""
     from scipy.spatial import cKDTree
 
     nearest = cKDTree(interface.x).query(x)[1]

@@ -228,7 +228,7 @@ class Solution:
 
     @property
     def _penalty_energy(self) -> float:
-        """What the augmented Lagrangian counts as the energy of hard contacts."""
+        """The energy of hard contacts in the augmented Lagrangian."""
         contacts = zip(self.interfaces, self._state.gaps, strict=True)
         return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
@@ -551,7 +551,7 @@ class Solution:
 
 
 def _passed(interface: Interface, gaps: Floats) -> str:
-    """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
+    """The note on a contact whose layer is compressed beyond the limit of its law; empty if there is none."""
     contact, limit = interface.contact, interface.layer.compression_limit
     if limit is math.inf:
         return ""

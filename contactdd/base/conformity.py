@@ -1,4 +1,4 @@
-"""How the cells of a mesh hang together, found from plain arrays: shared facets, loose pieces, hanging nodes.
+"""The conformity of meshes, from plain arrays: shared facets, loose pieces, hanging nodes.
 
 Corners of cells are counted as basix counts them.
 """

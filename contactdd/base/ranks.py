@@ -64,8 +64,10 @@ class Ranks:
 
     @contextmanager
     def together(self) -> Iterator[None]:
-        """What all ranks do, to its end or to none: an exception of one of them, wherever it comes from, is raised on
-        all. Costs one exchange at the end; nothing where there is one rank."""
+        """A block that all ranks finish or none: an exception of one of them, wherever it comes from, is raised on all.
+
+        It costs one exchange at the end; nothing on a single rank.
+        """
         if self.alone:
             yield
             return
@@ -128,7 +130,7 @@ class Ranks:
         return array
 
     def any_says(self, reason: str) -> str:
-        """What the ranks say: the first text that is not empty, "" where there is none. All have to ask."""
+        """The first text of all ranks that is not empty, "" if there is none. Collective."""
         return next(filter(None, self.gather(reason)), "")
 
     def agree(self, value: T) -> T:

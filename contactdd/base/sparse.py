@@ -19,7 +19,7 @@ def stacked(operators: Sequence[Operator]) -> Operator:
 
 
 def product_map(trace: Operator, weights: Floats) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
-    """Where the entries of traceᵀ diag(weights φ) trace stand in the flattened matrix, and the operator from φ to them.
+    """The positions of the entries of traceᵀ diag(weights φ) trace in the flattened matrix, and the operator from φ.
 
     For values that change in every step at positions that never do.
     """

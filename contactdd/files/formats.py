@@ -1,4 +1,4 @@
-"""Which format a file is in, told by how it begins, and what to do with one that is not read here."""
+"""The format of a file, from its first bytes, and advice for formats that are not read here."""
 
 from __future__ import annotations
 

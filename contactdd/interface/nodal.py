@@ -43,7 +43,7 @@ class LinearFunctions:
 
     @cached_property
     def at_values(self) -> scipy.sparse.csr_matrix:
-        """The functions' means over what belongs to each value, (values, nodes)."""
+        """The functions' means over the points of each value, (values, nodes)."""
         return self._at_points if self.mean is None else (self.mean @ self._at_points).tocsr()
 
     def interpolated(self, values: Floats) -> Floats:
@@ -101,7 +101,7 @@ def hats(surface: ContactSurface, points: FacetPoints) -> scipy.sparse.csr_matri
 
 
 def side_of_nodes(surfaces: tuple[ContactSurface, ContactSurface], facets: tuple[Indices, Indices]) -> int:
-    """Which surface's nodes carry a contact's pressure: 0 or 1.
+    """The side, 0 or 1, whose nodes carry a contact's pressure.
 
     That of the softer body, which can follow any pressure on its own nodes; of bodies about equally stiff the coarser
     surface, whose functions both can follow; else the first. facets: (n,) those of both sides that lie opposite.

@@ -66,10 +66,10 @@ def meet_line(
     start: Floats,
     within: float = np.inf,
 ) -> Floats:
-    """Where curved facets meet lines, in the facets' coordinates (n, dim − 1).
+    """The intersections of curved facets with lines, in the facets' coordinates (n, dim − 1).
 
-    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1); within: how
-    far from the start to go. Newton's iteration.
+    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1); within: the
+    largest distance from the start. Newton's iteration.
     """
     local = start
     for _ in range(20):
@@ -157,7 +157,7 @@ def _without_rounding(polygons: Floats, count: Indices, areas: Floats) -> tuple[
 
 
 def _next(values: Floats, count: Indices) -> Floats:
-    """What stands at the next corner around each polygon, of values at its corners (n, corners, ...)."""
+    """The values (n, corners, ...) at each polygon's corners, shifted to the next corner around it."""
     positions = np.arange(values.shape[1])
     following = np.where(positions + 1 < count[:, None], positions + 1, 0)
     return values[np.arange(len(values))[:, None], following]

@@ -53,9 +53,9 @@ class SurfaceNodes:
         return mean, (length[:, 0] > 0.0) & ~sharp
 
     def around(self, smooth: NDArray[np.bool_]) -> tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix]:
-        """Which nodes are seen from each: those of its facets, and of the facets of their vertices that are no edge.
+        """The nodes around each node: those of its facets, and of the facets of their vertices that are no edge.
 
-        Also which nodes each facet has, (n, m).
+        Also the nodes of each facet, (n, m).
         """
         count, size = self.facets.shape
         entries = (np.ones(count * size), self.facets.ravel(), np.arange(0, count * size + 1, size))
@@ -212,7 +212,7 @@ def _length(rows: Floats) -> Floats:
 
 
 def _least_squares(terms: Floats, data: Floats) -> Floats:
-    """The least-squares coefficients (v, m) of terms (v, n, m) for data (v, n); of what they cannot tell, none."""
+    """The least-squares coefficients (v, m) of terms (v, n, m) for data (v, n); undetermined ones are zero."""
     scale = np.sqrt(np.einsum("vnm,vnm->vm", terms, terms))
     scale = np.where(scale > 1e-12, scale, 1.0)
     terms = terms / scale[:, None]

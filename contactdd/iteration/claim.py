@@ -1,4 +1,4 @@
-"""Which file a run may write its state to: never one that is something else, or that another run writes."""
+"""The file that a run writes its state to: never one that is no checkpoint, or that another run writes."""
 
 from __future__ import annotations
 

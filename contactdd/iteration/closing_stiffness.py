@@ -1,4 +1,4 @@
-"""How stiff a contact is: the derivative of its force by the approach of its bodies, from the tangent (17)."""
+"""The normal stiffness of a contact: its force's derivative by the approach of its bodies, from the tangent (17)."""
 
 from __future__ import annotations
 

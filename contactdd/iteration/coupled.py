@@ -59,5 +59,5 @@ class CoupledSystem:
 
     @cached_property
     def _map(self) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
-        """Where the contacts' terms stand in the dense matrix, and from the weights times φ to their entries."""
+        """The positions of the contacts' terms in the dense matrix, and the operator from weights times φ to them."""
         return product_map(self._ensemble.normal_approach, np.ones(len(self._ensemble.weights)))

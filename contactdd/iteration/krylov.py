@@ -33,7 +33,7 @@ class Krylov:
 
     #: Modes below this are put into the coarse space; 0.2 bounds the condition of the rest by about 10.
     LOWEST = 0.2
-    #: How much closer the Krylov method has to bring each Newton correction.
+    #: Reduction of the residual of each Newton correction by the Krylov method.
     FORCING = 1e-4
 
     def __init__(self, ensemble: Ensemble, ranks: Ranks, note: str = "") -> None:
@@ -143,7 +143,7 @@ def deflated_conjugate_gradients(
 
 
 def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:
-    """The inverse of a symmetric matrix on what is not its null space: motions of all bodies that nothing resists.
+    """The pseudo-inverse of a symmetric matrix, whose null space are motions of all bodies that nothing resists.
 
     largest: the stiffness in whose rounding such motions' resistance is lost.
     """

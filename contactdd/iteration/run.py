@@ -175,7 +175,7 @@ class Run:
         return Measured(forces, scale, self._ranks.agree(size / scale if scale > 0.0 else 0.0))
 
     def _strange(self, state: State) -> str:
-        """What is no finite number at an iterate: a layer's stress, or else the displacements or forces."""
+        """The message on what is no finite number at an iterate: a layer's stress, else displacements or forces."""
         for interface, z in zip(self.ensemble.interfaces, state.gaps, strict=True):
             stress = interface.layer.contact_stress(z)
             wrong = np.isfinite(z) & ~np.isfinite(stress)
@@ -243,7 +243,7 @@ class Run:
         return energy
 
     def _strange_energy(self, state: State) -> str:
-        """Whose energy is no finite number."""
+        """The message on the layer whose energy is no finite number."""
         for interface, z in zip(self.ensemble.interfaces, state.gaps, strict=True):
             density = interface.layer.energy(z)
             if not np.all(np.isfinite(density)):
@@ -284,7 +284,7 @@ class Run:
 
     @cached_property
     def _escape(self) -> LooseBodyError | None:
-        """What moves for ever where there is no equilibrium."""
+        """The motion that lowers the energy for ever, where there is no equilibrium."""
         return unbounded_motion(self.ensemble)
 
     def _softened(self, phi: dict[int, Floats], residual: Floats) -> dict[int, Floats]:
@@ -352,7 +352,7 @@ class Run:
         contacts = [(i.layer, z, move, i.weights * move) for i, z, move in parts]
 
         def growth(t: float) -> float:
-            """How much more the layers resist the correction at t than at 0."""
+            """The growth of the layers' work on the correction from 0 to t."""
             if cancels:
                 return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
@@ -395,5 +395,5 @@ class Run:
 
 
 def _no_number(interface: Interface, what: str) -> str:
-    """Which contact's layer gives what is no finite number."""
+    """The message that names the contact and the layer of a quantity that is no finite number."""
     return f"contact {interface.contact.name!r}: its {type(interface.layer).__name__} gives the {what}"

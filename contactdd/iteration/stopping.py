@@ -36,7 +36,7 @@ class StoppingCriterion:
     LARGE = 0.1
 
     def distance(self, residual: float, last: Record | None) -> float:
-        """How far a run is from its goal, 1 at the goal: by its residual now and the change of its last iteration.
+        """The distance of a run from its goal, 1 at the goal: by its residual now and the change of its last iteration.
 
         A small change alone proves nothing: a small γ makes small steps from anywhere, and a body that drifts away
         makes them relatively small. So the residual must be what the change without its relaxation explains.
@@ -53,7 +53,7 @@ class StoppingCriterion:
 
 @dataclass(frozen=True)
 class Termination:
-    """How a run ended: its status, the reason in words, and what moves for ever where there is no equilibrium."""
+    """The end of a run: its status, the reason in words, and the unbounded motion where there is no equilibrium."""
 
     status: str
     reason: str

@@ -58,7 +58,7 @@ class SeriesLayer(Layer):
 
     @functools.cached_property
     def compression_limit(self) -> float | Floats:
-        """Where the first of them reaches its own limit."""
+        """The compression at which the first of the layers reaches its own limit (length)."""
         limits = [layer.compression_limit for layer in self.layers]
         if np.all(np.isinf(limits[0])) and all(np.all(np.isinf(limit)) for limit in limits):
             return np.inf

@@ -133,7 +133,7 @@ def _jacobians(mesh: Mesh) -> Floats:
 
 
 def _nodes(mesh: Mesh) -> Floats:
-    """Where the nodes of every cell are, (cells, nodes, dim)."""
+    """The coordinates of every cell's nodes, (cells, nodes, dim)."""
     return mesh.domain.geometry.x[compat.geometry_dofmap(mesh.domain), : mesh.dim]
 
 
