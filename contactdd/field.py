@@ -15,7 +15,7 @@ from dolfinx import mesh as dmesh
 from .base.checks import as_floats, check_vector
 from .parameter import Parameter, ParameterField, current
 
-#: What a user may give for a load or a prescribed displacement.
+#: The value of a load or a prescribed displacement, as a user may give it.
 Field: TypeAlias = (
     float
     | list[float]

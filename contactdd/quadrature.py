@@ -187,7 +187,7 @@ RULES: dict[str, type[Quadrature]] = {
 @cache
 def _gauss(facet: basix.CellType, degree: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     points, weights = quadrature_rule(facet, degree)
-    points.setflags(write=False)  # they are everybody's
+    points.setflags(write=False)  # cached and shared: read-only
     weights.setflags(write=False)
     return points, weights
 

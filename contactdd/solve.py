@@ -38,7 +38,7 @@ Gamma = float | Iterable[float] | Callable[[int], float] | str
 P = ParamSpec("P")
 
 
-#: γ of the decomposed methods if nothing is said: the paper's best.
+#: The default γ of the decomposed methods: the paper's best.
 BEST_GAMMA = 0.6
 
 #: Largest uncertainty of the gap behind curved facets, relative to the layer's compression, without a warning.

@@ -23,7 +23,7 @@ from .arrays import Floats
 T = TypeVar("T")
 
 
-#: The kind of message that a rank sends instead of the one that is waited for.
+#: The kind of message of a rank that has failed, instead of the one expected.
 FAILED = "failed"
 
 

@@ -381,4 +381,4 @@ def _unmatched(surface: ContactSurface, partners: PointPairs, place: int) -> flo
     """The area of a surface that has no partner."""
     bare = np.maximum(surface.facet_areas - partners.covered(place, len(surface.facets)), 0.0)
     area, total = float(bare.sum()), float(surface.facet_areas.sum())
-    return area if area > 1e-6 * total else 0.0  # less is what seams between curved facets leave
+    return area if area > 1e-6 * total else 0.0  # smaller areas are artefacts of seams between curved facets

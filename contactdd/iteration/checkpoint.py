@@ -35,7 +35,7 @@ FORMAT = "contactdd checkpoint"
 VERSION = 2
 
 
-#: What two scenes may differ by, relative to the largest number: rounding on another machine.
+#: Largest difference of two scenes, relative to the largest number: rounding on another machine.
 SAME = 1e-8
 
 

@@ -13,7 +13,7 @@ try:
 except ImportError:  # not a Unix: runs in one folder have to be told apart by the user
     fcntl = None  # type: ignore[assignment]
 
-#: What a lock or an unfinished file adds to the name of the checkpoint.
+#: The endings of the names of a lock and of an unfinished file.
 LOCK, PART = ".lock", re.compile(r"\.\d+-[0-9a-f]{8}\.part")
 
 

@@ -28,7 +28,7 @@ from .stopping import PROGRESS, NotANumberError, StoppingCriterion, Termination
 Observer = Callable[[Record], bool]
 
 
-#: Displacements so many times the bodies' size, beside what is prescribed, are no answer but a run that escapes.
+#: Largest displacement of a solution over the size of the largest body and the prescribed displacements.
 ABSURD = 100.0
 
 
@@ -37,15 +37,15 @@ ABSURD = 100.0
 ROUNDING, SMALL = 2e-15, 1e-8
 
 
-#: How often a step that the energy watches over is halved where it would end at a law's pole.
+#: Halvings of a line search's step that would end at a law's pole.
 SHORTER = 4
 
 
-#: A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
+#: Largest φ over the bodies' own stiffness: at g'(0) = ∞ the bodies' digits would be lost.
 RIGID = 1e8
 
 
-#: Where the slope of the energy is less than this part of the layers' work, differences of that work are too rough.
+#: Where the slope of the energy is less than this part of the layers' work, it is found by divided differences.
 CANCELLED = 1e-8
 
 
@@ -290,8 +290,8 @@ class Run:
     def _softened(self, phi: dict[int, Floats], residual: Floats) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
 
-        It is the unbalanced forces over the contacts' area and the largest gap: a body moves by about that gap. It is
-        no stiffer than the bodies, for the next step goes further, but not lost in the rounding of what is stiffest.
+        Its stiffness is the unbalanced force per contact area divided by the largest gap, so that a loose body moves by
+        about that gap; it is bounded by the bodies' own stiffness above and by rounding below.
         """
         forces = max(float(np.abs(part).sum()) for part in self.ensemble.split(residual))
         area = float(self.ensemble.weights.sum())
@@ -360,7 +360,7 @@ class Run:
         return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
 
     def _bounded(self) -> bool:
-        """Whether the displacements are finite and not absurd."""
+        """Whether the displacements are finite and at most a hundred times the largest body."""
         # False also of what is not a number; true where supports hold all that the contacts touch.
         return bool(np.abs(self.state.unknowns).max(initial=0.0) < self._furthest)
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..mesh import Mesh
 
 
-#: The share of an element's nodes that lies inside of the cell, from which on cells are better eliminated one by one.
+#: Fraction of interior nodes from which cell-wise condensation pays.
 WORTHWHILE = 0.11
 
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 LARGEST_FACTORED_SOLID = 60_000
 
 
-#: Unknowns of a body that is too small to ask for the memory.
+#: Unknowns of a body up to which memory need not be estimated.
 ALWAYS_FACTORED = 20_000
 
 

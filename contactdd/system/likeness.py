@@ -24,7 +24,7 @@ from ..scene import Scene
 SAME = 1e-12
 
 
-#: A label and what is told of it: a text, or (Σ cᵢ xᵢ, Σ |xᵢ|) of numbers x; None agrees with everything.
+#: A label and its key: a text, or (Σ cᵢ xᵢ, Σ |xᵢ|) of numbers x; None agrees with everything.
 Told = tuple[str, str | tuple[float, float] | None]
 
 
