@@ -64,10 +64,10 @@ def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
     depth = np.sum((interface.x[nearest] - x) * normal, axis=1)
     fade = 1.0 - np.clip(depth / max(float(depth.max()), np.finfo(float).tiny), 0.0, 1.0)
     shape = np.zeros(len(x))
-    if np.any(interface.shape):
+    if np.any(interface.prescribed_gap):
         above = x + depth[:, None] * normal  # on the contact, where the gap is given
         shape = evaluate("gap", interface.contact.gap, above.T)
-    return SurfaceFit(fade, normal, shape, interface.measured[nearest], gap[nearest])
+    return SurfaceFit(fade, normal, shape, interface.geometric_gap[nearest], gap[nearest])
 
 
 def surface_result(

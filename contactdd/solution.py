@@ -595,7 +595,7 @@ def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio:
         gaps,
         np.minimum(gaps, 0.0),
         projected if wavers else pressure,
-        interface.unmatched,
+        interface.unpaired_area,
         interface.gap,
         meshed.corners,
         meshed.body.kinematics.axisymmetric,

@@ -277,13 +277,13 @@ class Run:
         try:
             return self._linear.correct(phi, residual, scale), phi, ""
         except LooseBodyError:
-            if not survive or self._escape is not None:
+            if not survive or self._unbounded_motion is not None:
                 raise
         phi = self._softened(phi, residual)
         return self._linear.correct(phi, residual, scale), phi, "open: held by a soft Robin term"
 
     @cached_property
-    def _escape(self) -> LooseBodyError | None:
+    def _unbounded_motion(self) -> LooseBodyError | None:
         """The motion that lowers the energy for ever, where there is no equilibrium."""
         return unbounded_motion(self.ensemble)
 
@@ -390,7 +390,7 @@ class Run:
 
     def _ending(self, status: str, reason: str) -> Termination:
         """The end of a run for this reason, unless there is a deeper one: no equilibrium."""
-        way = self._escape
+        way = self._unbounded_motion
         return Termination(status, reason) if way is None else Termination("no equilibrium", str(way), way)
 
 

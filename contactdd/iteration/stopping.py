@@ -57,4 +57,4 @@ class Termination:
 
     status: str
     reason: str
-    escape: LooseBodyError | None = None
+    unbounded_motion: LooseBodyError | None = None
