@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .base.arrays import Floats
 from .body_result import BodyResult, SurfaceFit
-from .contact_result import ContactResult
+from .contact_result import ContactResult, NodalPressure
 from .history import History, Record
 from .surface_result import SurfaceResult, Surfaces
 
@@ -200,7 +200,9 @@ def _body_told(solution: SavedSolution, index: int, arrays: dict[str, NDArray]) 
 
 def _contact_told(solution: SavedSolution, index: int, name: str, arrays: dict[str, NDArray]) -> dict[str, Any]:
     """The description of one contact; its arrays go into `arrays`."""
-    told: dict[str, Any] = {"name": name, "contact": _taken_apart(solution.contacts[name], f"contact {index}", arrays)}
+    result, prefix = solution.contacts[name], f"contact {index}"
+    told: dict[str, Any] = {"name": name, "contact": _taken_apart(result, prefix, arrays, skip="nodal")}
+    told["nodal"] = None if result.nodal is None else _taken_apart(result.nodal_field, f"{prefix} nodal", arrays)
     for side, surface in enumerate(solution.surfaces[name]):
         told[f"surface {side}"] = surface and _taken_apart(surface, f"surface {index} {side}", arrays)
     return told
@@ -247,7 +249,10 @@ def _put_together(told: dict[str, Any], arrays: Mapping[str, NDArray]) -> SavedS
         bodies.append(body)
     for index, entry in enumerate(told["contacts"]):
         area = tuple(entry["contact"]["unpaired_area"])
-        contacts[entry["name"]] = _made(ContactResult, f"contact {index}", entry["contact"], arrays, unpaired_area=area)
+        given, prefix = entry["nodal"], f"contact {index}"
+        nodal = None if given is None else _made(NodalPressure, f"{prefix} nodal", given, arrays)
+        own = {"unpaired_area": area, "nodal": nodal}
+        contacts[entry["name"]] = _made(ContactResult, prefix, entry["contact"], arrays, **own)
         surfaces[entry["name"]] = (_surface(index, 0, entry, arrays), _surface(index, 1, entry, arrays))
     plain = {name: told[name] for name in ("status", "reason", "method", "numbers")}
     return SavedSolution(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from copy import copy
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -136,16 +137,18 @@ class Scene:
         Args:
             parameter: The parameter in question.
         """
-        return any(parameter is other for other in self._parameters())
+        return any(parameter is other for other in self._parameters)
 
+    @cached_property
     def _parameters(self) -> list[Parameter]:
+        """The parameters that any load, prescribed displacement or gap follows."""
         items: list[Any] = list(self.contacts)
         for body in self.bodies:
             items += (body,) if body.mesh is None else (*body.loads, *body.supports)
         return [parameter for item in items for parameter in parameters(vars(item).values())]
 
     def _parameter_values(self) -> list[bytes]:
-        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters()]
+        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters]
 
     def _check(self) -> None:
         if not self.contacts:

@@ -12,9 +12,11 @@ import numpy as np
 
 from .base import compat
 from .base.arrays import Floats
+from .base.checks import finite
 from .body import Body
 from .errors import LargeStrainWarning
 from .interface.discretise import Interface
+from .material import Isotropic, Material
 
 #: The strain from which on linear theory is doubtful. Green's strain is ε + ½ ∇uᵀ∇u: what linear theory leaves out is
 #: about half of ε², relative to ε 5 % at ε = 0.1.
@@ -103,10 +105,17 @@ def _scales(body: Body) -> tuple[float, float]:
     """A body's thickness, the shortest side of its bounding box, and its smallest stiffness; both never change."""
     if body not in _known:
         x = body.mesh.domain.geometry.x
-        stiffness = body.material.stiffness(x.mean(axis=0)[:, None] if body.material.varies else None)
-        thickness = float(np.ptp(x[:, : body.mesh.dim], axis=0).min())
-        _known[body] = thickness, float(np.linalg.eigvalsh(stiffness).min())
+        _known[body] = float(np.ptp(x[:, : body.mesh.dim], axis=0).min()), _least_stiffness(body.material, x)
     return _known[body]
+
+
+def _least_stiffness(material: Material, x: Floats) -> float:
+    """The smallest eigenvalue of C, at the middle of the nodes x (n, 3) where the material varies."""
+    if isinstance(material, Isotropic) and not material.varies:  # 3λ + 2μ, 2μ and, of shear, μ: with no matrix
+        E, nu = finite("E", material.E), finite("nu", material.nu)
+        return min(E / (1 - 2 * nu), E / (2 * (1 + nu)))
+    stiffness = material.stiffness(x.mean(axis=0)[:, None] if material.varies else None)
+    return float(np.linalg.eigvalsh(stiffness).min())
 
 
 def warn(sizes: Sequence[StrainSize]) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,7 @@ from .base.arrays import Floats
 from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
-from .contact_result import ContactResult
+from .contact_result import ContactResult, NodalPressure
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
@@ -133,8 +133,8 @@ class Solution:
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._gaps[index]
         pressure, gathered = self._pressure(index), interface.gathered
-        ratio = 0.0 if interface.hard else _stiffness_ratio(interface, gaps, pressure)
-        wavers = ratio > STIFF and interface.unlike
+        stiffness_ratio = partial(_stiffness_ratio, interface, gaps, pressure)
+        wavers = interface.unlike and stiffness_ratio() > STIFF
         if degree is not None:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
@@ -142,7 +142,7 @@ class Solution:
                 pressure = 0.0 - interface.layer.contact_stress(gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
-        return _contact_result(interface, gaps, pressure, ratio, wavers)
+        return _contact_result(interface, gaps, pressure, stiffness_ratio, wavers)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -579,38 +579,42 @@ def _resampled(interface: Interface, degree: int) -> Interface:
     return discretise(contact, (first.body, second.body), interface.facets, split)
 
 
-def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio: float, wavers: bool) -> ContactResult:
-    """The result at an interface's points; ratio: k h/E of the layer where it presses; wavers: whether its pressure
-    does."""
+def _contact_result(
+    interface: Interface, gaps: Floats, pressure: Floats, stiffness_ratio: Callable[[], float], wavers: bool
+) -> ContactResult:
+    """The result at an interface's points; wavers: whether its pressure does."""
+
+    def nodal() -> NodalPressure:
+        if interface.gathered is None:
+            values = interface.functions.projected(pressure, interface.weights)
+            at_points = interface.functions.at_values @ values
+            return NodalPressure(interface.functions.x, values, at_points, stiffness_ratio())
+        return NodalPressure(interface.x, pressure, pressure, stiffness_ratio())
+
     meshed = next(side.surface for side in interface.sides if isinstance(side.surface, ContactSurface))
-    if interface.gathered is None:
-        nodal = interface.functions.projected(pressure, interface.weights)
-        node_x, projected = interface.functions.x, interface.functions.at_values @ nodal
-    else:
-        node_x, projected, nodal = interface.x, pressure, pressure
+    found: Any = nodal() if wavers else nodal
     return ContactResult(
         interface.x,
         interface.normal,
         interface.weights,
         gaps,
         np.minimum(gaps, 0.0),
-        projected if wavers else pressure,
+        found.at_points if wavers else pressure,
         interface.unpaired_area,
         interface.gap,
         meshed.corners,
         meshed.body.kinematics.axisymmetric,
         pressure,
-        projected,
-        node_x,
-        nodal,
-        ratio,
         wavers,
         interface.hard,
+        found,
     )
 
 
 def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> float:
-    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
+    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets; 0 without a layer."""
+    if interface.hard:
+        return 0.0
     pressing = pressure > 0.0
     shares = interface.weights[pressing] * pressure[pressing]
     stiffness = interface.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
