@@ -168,7 +168,7 @@ class Body:
 
     @property
     def elastic_metadata(self) -> dict[str, Any] | None:
-        """The quadrature of a(u, v); None leaves it to UFL, which finds what is exact on simplices.
+        """The quadrature of a(u, v); None leaves it to UFL, whose choice is exact on simplices.
 
         On quadrilaterals and hexahedra p + 1 points along each axis are exact where these are parallelograms, and keep
         the elements' accuracy elsewhere; UFL would take many more.

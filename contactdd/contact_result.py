@@ -355,14 +355,14 @@ class ContactResult:
 
     def _along(self, points: Floats, values: dict[str, Floats]) -> dict[str, Floats]:
         """Values interpolated along the curve, each of its pieces by itself."""
-        place, piece, _ = self._curve.locate(points)
+        position, piece, _ = self._curve.locate(points)
         own, own_piece, _ = self._curve.locate(self.x)
         found: dict[str, Floats] = {name: np.zeros(len(points)) for name in values}
         for chain in np.unique(piece):
             order = np.flatnonzero(own_piece == chain)
             order = order[np.argsort(own[order], kind="stable")]
             for name, value in values.items():
-                found[name][piece == chain] = np.interp(place[piece == chain], own[order], value[order])
+                found[name][piece == chain] = np.interp(position[piece == chain], own[order], value[order])
         return found
 
     def _across(self, points: Floats, values: dict[str, Floats]) -> dict[str, Floats]:

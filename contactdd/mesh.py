@@ -22,7 +22,7 @@ from .base.isometry import Isometry, isometry_between, reflection, translation
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
 
-#: The cells of a structured mesh along one axis: how many equal ones, or where they end.
+#: The cells of a structured mesh along one axis: the number of equal ones, or the coordinates of their ends.
 Cells = int | Sequence[float] | NDArray[np.float64]
 
 

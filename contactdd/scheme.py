@@ -1,4 +1,4 @@
-"""The schemes: which Robin coefficient φ^k each of them takes, and whether its step solves the bodies apart.
+"""The schemes: the Robin coefficient φ^k of each, and the way to solve its linear problem.
 
 All are G^k(u^{k+1}, v) = G^k(u^k, v) − γ^k F₁'(u^k, v), (16) and (25). They differ in φ^k and in G^k: a decomposed
 scheme keeps φ (u_αn v_αn + u_βn v_βn), so that every body is solved on its own; a coupled one keeps the product of
@@ -21,7 +21,7 @@ from .layer import Layer
 Subset = Callable[[Floats, Floats], Floats]
 
 
-#: How the linear problem of a scheme may be solved.
+#: The ways to solve the linear problem of a scheme.
 STEPS = ("decomposed", "direct", "krylov", "auto")
 
 

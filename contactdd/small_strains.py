@@ -1,4 +1,4 @@
-"""How large strains and rotations are, and whether linear theory may be trusted with them."""
+"""The size of strains and rotations, and warnings where linear theory is doubtful."""
 
 from __future__ import annotations
 
@@ -83,9 +83,9 @@ def _strains(body: Body, displacement: Floats) -> tuple[Floats, Floats]:
 
 
 def suspicious(interfaces: Sequence[Interface], gaps: Sequence[Floats]) -> bool:
-    """Whether strains may be large, by what the contacts alone tell: how far they came together, how hard they press.
+    """Whether strains may be large, judged by the approach and the pressure of the contacts alone.
 
-    A strain that no contact sees, such as that of a body bent by its loads, is not found.
+    A strain far from contacts, such as that of a body bent by its loads, is not found.
     """
     return any(_noted(interface, gap) for interface, gap in zip(interfaces, gaps, strict=True))
 

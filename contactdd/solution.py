@@ -110,13 +110,13 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        place = self._place(body)
-        name = self.scene.bodies[place].name
-        if self.scene.bodies[place].mesh is None:
-            return self._fields[place].displacement
+        body_index = self._place(body)
+        name = self.scene.bodies[body_index].name
+        if self.scene.bodies[body_index].mesh is None:
+            return self._fields[body_index].displacement
         if name not in self._displacements:
-            function = fem.Function(self.scene.bodies[place].space, name="displacement")
-            function.x.array[:] = self._fields[place].displacement
+            function = fem.Function(self.scene.bodies[body_index].space, name="displacement")
+            function.x.array[:] = self._fields[body_index].displacement
             self._displacements[name] = function
         return self._displacements[name]
 
@@ -228,7 +228,7 @@ class Solution:
 
     @property
     def _penalty_energy(self) -> float:
-        """What the augmented Lagrangian counts as the energy of hard contacts."""
+        """The energy of hard contacts in the augmented Lagrangian."""
         contacts = zip(self.interfaces, self._state.gaps, strict=True)
         return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
@@ -280,14 +280,14 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        place = self._place(body)
-        parts = self._nodal_forces(place)
-        return {name: self._ensemble.problems[place].dofs.resultant(forces) for name, forces in parts.items()}
+        body_index = self._place(body)
+        parts = self._nodal_forces(body_index)
+        return {name: self._ensemble.problems[body_index].dofs.resultant(forces) for name, forces in parts.items()}
 
-    def _nodal_forces(self, place: int) -> dict[str, Floats]:
+    def _nodal_forces(self, body_index: int) -> dict[str, Floats]:
         """The forces on a body at all its degrees of freedom, (dofs,) each."""
-        problem = self._ensemble.problems[place]
-        loads, contact, fields = problem.dofs.load, self._contact_load(place), self._fields[place]
+        problem = self._ensemble.problems[body_index]
+        loads, contact, fields = problem.dofs.load, self._contact_load(body_index), self._fields[body_index]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
         supports = problem.dofs.reactions(supports) - fields.spring_forces
@@ -301,8 +301,11 @@ class Solution:
         its resultant is rounding.
         """
         sums, sizes = [0.0], [0.0]
-        for place, body in enumerate(self.scene.bodies):
-            forces, resultant = self._nodal_forces(place).values(), self._ensemble.problems[place].dofs.resultant
+        for body_index, body in enumerate(self.scene.bodies):
+            forces, resultant = (
+                self._nodal_forces(body_index).values(),
+                self._ensemble.problems[body_index].dofs.resultant,
+            )
             sums.append(float(np.linalg.norm(resultant(np.sum(list(forces), axis=0)))))
             for force in forces:
                 vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
@@ -318,8 +321,8 @@ class Solution:
         the residual is ‖F₁'(u)‖ itself.
         """
         total = contacts = 0.0
-        for place, problem in enumerate(self._ensemble.problems):
-            contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
+        for i, problem in enumerate(self._ensemble.problems):
+            contact, elastic = self._contact_load(i), self._fields[i].elastic_forces
             total += float(np.sum(problem.dofs.free_forces(problem.dofs.load + contact - elastic) ** 2))
             contacts += float(np.sum(problem.dofs.free_forces(contact) ** 2))
         scale = self._ensemble.at_work(float(np.sqrt(contacts)))
@@ -496,9 +499,9 @@ class Solution:
         """The bodies' solutions, recovered from the condensed unknowns when first asked for."""
         ensemble, state = self._ensemble, self._state
 
-        def of(place: int) -> Fields:
-            part = ensemble.parts[place]
-            return ensemble.problems[place].fields(state.unknowns[part], state.deformation[part])
+        def of(body_index: int) -> Fields:
+            part = ensemble.parts[body_index]
+            return ensemble.problems[body_index].fields(state.unknowns[part], state.deformation[part])
 
         return self._settled(self.scene.ranks.each(of))
 
@@ -527,9 +530,9 @@ class Solution:
             told = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
         return told[0] + told[1]
 
-    def _contact_load(self, place: int) -> Floats:
+    def _contact_load(self, body_index: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
-        problem = self._ensemble.problems[place]
+        problem = self._ensemble.problems[body_index]
         tractions = self._ensemble.by_interface(self._ensemble.tractions(self._state))
         total = np.zeros_like(problem.dofs.load)
         for port in problem.traces:
@@ -551,7 +554,7 @@ class Solution:
 
 
 def _passed(interface: Interface, gaps: Floats) -> str:
-    """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
+    """The note on a contact whose layer is compressed beyond the limit of its law; empty if there is none."""
     contact, limit = interface.contact, interface.layer.compression_limit
     if limit is math.inf:
         return ""
@@ -600,7 +603,7 @@ def _contact_result(
         gaps,
         np.minimum(gaps, 0.0),
         found.at_points if wavers else pressure,
-        interface.unmatched,
+        interface.unpaired_area,
         interface.gap,
         lambda: meshed.corners,
         meshed.body.kinematics.axisymmetric,

@@ -38,7 +38,7 @@ Gamma = float | Iterable[float] | Callable[[int], float] | str
 P = ParamSpec("P")
 
 
-#: γ of the decomposed methods if nothing is said: the paper's best.
+#: The default γ of the decomposed methods: the paper's best.
 BEST_GAMMA = 0.6
 
 #: Largest uncertainty of the gap behind curved facets, relative to the layer's compression, without a warning.
@@ -173,14 +173,14 @@ def solve(
     else:
         first = _start(ensemble, ranks, scheme, gamma, start, previous)
         run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, step, first)
-    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
-    with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper or nullcontext():
+    writer = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
+    with Progress(shown, rule.tolerance, rule.criterion) as bar, writer or nullcontext():
         deadline = time.monotonic() + seconds
 
         def observe(record: Record) -> bool:
             bar.update(record)
-            if keeper is not None:
-                keeper.update()
+            if writer is not None:
+                writer.update()
             return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
@@ -188,8 +188,9 @@ def solve(
     _warn_of_facets(solution)
     _warn_of_notes(solution)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
-        if ending.escape is not None:
-            raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution, ending.escape.advice)
+        if ending.unbounded_motion is not None:
+            loose = ending.unbounded_motion
+            raise NoEquilibriumError(loose.body, loose.motion, solution, loose.advice)
         raise NotConvergedError(ending.status, ending.reason, solution)
     if solution.converged:
         solution.warn_of_large_strains()
