@@ -94,6 +94,36 @@ class Body:
         elements = f"{self.mesh.cells} cells, degree {self.degree}"
         return f"Body({self.name!r}, {elements}, {self.material}, {self.kinematics.name})"
 
+    def with_degree(self, degree: int) -> Body:
+        """The same body in elements of another degree: its mesh, material, supports, loads and local solver are shared.
+
+        Args:
+            degree: Of the Lagrange elements.
+
+        Raises:
+            TypeError, ValueError: There are no elements of that degree.
+
+        Example:
+            >>> import contactdd as cd
+            >>> mesh = cd.rectangle((0, 0), (2, 1), (4, 2))
+            >>> cd.Body("block", mesh, cd.Isotropic(E=2.1e5, nu=0.3)).with_degree(2).dofs
+            90
+        """
+        return self._made_anew(self.mesh, degree)
+
+    def _made_anew(self, mesh: Mesh, degree: int) -> Body:
+        """The same body on another mesh or of another degree, checked as a new one is."""
+        return Body(
+            self.name,
+            mesh,
+            self.material,
+            supports=self.supports,
+            loads=self.loads,
+            degree=degree,
+            kinematics=self.kinematics.name,
+            local_solver=self.local_solver,
+        )
+
     @property
     def space(self) -> fem.FunctionSpace:
         """The finite element space of the body's displacements."""

@@ -82,6 +82,13 @@ class Elements:
         """The coordinates x (3, n) of nodes."""
         return self.space.tabulate_dof_coordinates()[nodes].T
 
+    def interpolated(self, u: fem.Function) -> Floats:
+        """The degrees of freedom (dofs,) that are closest to a displacement in elements of another degree, node by
+        node, on the same mesh."""
+        function = fem.Function(self.space)
+        function.interpolate(u)
+        return function.x.array
+
     def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
         """∫ integrand dx over the body, the full ring in a body of revolution."""
         weight = self.kinematics.weight(ufl.SpatialCoordinate(self.domain))

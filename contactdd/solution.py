@@ -48,6 +48,8 @@ class Solution:
         status: "converged", "iteration limit", "stalled", "diverged", "no equilibrium" or "stopped".
         reason: of that, in words.
         method: the scheme's name.
+        local_solver: that was asked for.
+        cpu_seconds: what the solve took, with what it made of the scene for the first time.
     """
 
     def __init__(
@@ -59,8 +61,12 @@ class Solution:
         status: str,
         reason: str,
         method: str,
+        local_solver: str = "auto",
+        cpu_seconds: float = float("nan"),
     ) -> None:
         self.scene, self.history, self.status, self.reason, self.method = scene, history, status, reason, method
+        self.local_solver, self.cpu_seconds = local_solver, cpu_seconds
+        self.parameter_values = scene.parameter_values()
         self._ensemble, self._state = ensemble, state
         self._displacements: dict[str, fem.Function] = {}
         if not scene.ranks.alone:
@@ -96,6 +102,23 @@ class Solution:
             function.x.array[:] = self._fields[place].displacement
             self._displacements[name] = function
         return self._displacements[name]
+
+    def displacement_on(self, body: Body) -> Floats:
+        """The displacement (dofs,) of the body of the same name in the elements of another, to go on from (length).
+
+        Args:
+            body: on the same mesh in elements of any degree, or numbered alike.
+
+        Raises:
+            ValueError: for a body of which the solution tells nothing.
+        """
+        own = self.scene.bodies[self._place(body.name)]
+        u = self.displacement(own)
+        if body.mesh is None or own.mesh is None:
+            return u if own.mesh is None else u.x.array
+        if own.mesh is body.mesh and own.degree != body.degree:
+            return body.elements.interpolated(u)
+        return u.x.array
 
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """Pressure, gap and compression of a contact at its points.
@@ -481,22 +504,10 @@ class Solution:
         return total
 
     def _place(self, body: str | Body) -> int:
-        for place, other in enumerate(self.scene.bodies):
-            if other is body or other.name == body:
-                return place
-        raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.scene.bodies)}")
+        return self.scene.body_index(body)
 
     def _contact_index(self, contact: str | int | Contact) -> int:
-        for index, other in enumerate(self.scene.contacts):
-            if contact in (other, index, other.name, typed(other.name)):
-                return index
-        known = ", ".join(repr(typed(other.name)) for other in self.scene.contacts)
-        raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
-
-
-def typed(name: str) -> str:
-    """A contact's name as a keyboard has it: the dash between two bodies' names as a hyphen."""
-    return name.replace("–", "-")
+        return self.scene.contact_index(contact)
 
 
 def _resampled(interface: Interface, degree: int) -> Interface:

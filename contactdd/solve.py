@@ -15,7 +15,6 @@ from typing import ParamSpec
 import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
-from .base.ranks import Ranks
 from .errors import ContactWarning, NoEquilibriumError, NotConvergedError
 from .history import Record
 from .iteration.checkpoint import CheckpointWriter, read
@@ -89,8 +88,9 @@ def solve(
     tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
         ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
     start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution` to
-        go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by the
-        mean load, the others from no deformation, with bodies that float moved until their contacts close.
+        go on from, also one of elements of another degree on the same meshes. By default the decomposed methods, and
+        all with a given gamma, start from contacts closed by the mean load, the others from no deformation, with bodies
+        that float moved until their contacts close.
     previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
     local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
         "multigrid" (nothing is factored, for large solids), or "auto".
@@ -107,7 +107,7 @@ def solve(
     Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
     CheckpointError for a checkpoint that is damaged or of another run.
     """
-    ranks = scene.ranks
+    began, ranks = time.process_time(), scene.ranks
     scheme = find_scheme(method)
     check_choice("on_failure", on_failure, ("raise", "return"))
     relaxation = _relaxation(gamma, scheme)
@@ -128,7 +128,7 @@ def solve(
     if resume and ranks.once(file.exists):
         earlier = read(file, ensemble, scheme.name, ranks)
     else:
-        earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
+        earlier = (_start(ensemble, scene, scheme, gamma, start, previous),)
     run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
     keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
     with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
@@ -140,7 +140,10 @@ def solve(
             return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
-    solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
+    spent = time.process_time() - began
+    solution = Solution(
+        scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name, local_solver, spent
+    )
     _warn_of_facets(solution)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
         if ending.escape is not None:
@@ -220,7 +223,7 @@ def _check_start(start: starts.Given | Solution | None, previous: starts.Given |
 
 def _start(
     ensemble: Ensemble,
-    ranks: Ranks,
+    scene: Scene,
     scheme: Scheme,
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
@@ -228,7 +231,9 @@ def _start(
 ) -> starts.State:
     """The first iterate."""
     if isinstance(start, Solution):
-        return starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
+        bodies = {body.name: body for body in scene.bodies}
+        return starts.from_displacements(ensemble, lambda name: start.displacement_on(bodies[name]))
+    ranks = scene.ranks
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
