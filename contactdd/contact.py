@@ -12,6 +12,7 @@ import ufl
 from .base.checks import as_bool, as_count, check_choice, positive
 from .body import Body
 from .field import check_field
+from .hard_contact import HardContact
 from .layer import Layer
 from .meshless import MeshlessBody
 from .parameter import Parameter, ParameterField, current
@@ -23,27 +24,48 @@ Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 
 
 class Contact:
-    """The possible contact zone S_αβ of two bodies.
+    """The possible contact zone S_αβ of two bodies: two named surfaces, the layer between them and the gap.
 
-    first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
-    gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number, a `Parameter` or a
-    function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
-    do not match; measure_gap: whether the distance of the two meshes counts, where they do not match that of the smooth
-    surfaces behind their facets; without it d is `gap` alone; search_distance: how far apart partners may be (length),
-    by default the smaller body's size; quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree:
-    another degree of exactness; name: by default "first–second" by the bodies' names.
+    Args:
+        first, second: (body, surface name), or a body without a mesh.
+        layer: The law w ↦ σ_n of both surfaces' layers together, or `HardContact()` where there is none. The law begins
+            where the gap is the layer's clearance, 0 for most: all gaps of a solution count from there.
+        gap: d(x), the initial gap in addition to the distance of the two meshes (length), negative for an interference:
+            a number, a `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway
+            between the surfaces where their meshes do not match.
+        measure_gap: Whether the distance of the two meshes counts: where they do not match, that of the smooth surfaces
+            behind their facets. False ignores it and takes `gap` alone: for surfaces that coincide in reality but not
+            as straight facets.
+        search_distance: The largest distance at which points of the surfaces are paired (length), by default the
+            smaller body's size.
+        quadrature: The points at which the law is evaluated: "gauss" (the default), Gauss points; "mortar" (the default
+            of hard contact), the nodes of one surface, that of the softer body or else of the coarser facets; "facet",
+            one per facet; "vertex", the vertices of facets that match.
+        quadrature_degree: The degree of exactness, by default twice the elements' degree.
+        name: The name, by default "first–second" by the bodies' names.
+
+    Raises:
+        TypeError, ValueError: An argument is not what is described here; the bodies differ in dimension; the quadrature
+            does not suit hard contact or bodies of revolution.
+
+    Example:
+        >>> import contactdd as cd
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.3), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower, upper = cd.Body("lower", mesh, steel), cd.Body("upper", mesh.moved((0, 1)), steel)
+        >>> cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4), gap=lambda x: 0.01 * (x[0] - 1) ** 2)
+        Contact('lower–upper': lower.top and upper.bottom, LinearLayer(stiffness=10000.0))
     """
 
     def __init__(
         self,
         first: Side,
         second: Side,
-        layer: Layer,
+        layer: Layer | HardContact,
         *,
         gap: Gap = 0.0,
         measure_gap: bool = True,
         search_distance: float | None = None,
-        quadrature: str = "gauss",
+        quadrature: str | None = None,
         quadrature_degree: int | None = None,
         name: str | None = None,
     ) -> None:
@@ -62,11 +84,17 @@ class Contact:
             raise TypeError(f"gap = {gap!r}: expected a number or a function of the coordinates")
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
-        check_choice("quadrature", quadrature, RULES)
-        if quadrature == "vertex" and bodies[0].kinematics.ring:
+        if quadrature is None:
+            quadrature = "mortar" if isinstance(layer, HardContact) else "gauss"
+        check_choice("quadrature", quadrature, tuple(RULES))
+        if isinstance(layer, HardContact) and not RULES[quadrature].of_nodes:
             raise ValueError(
-                "quadrature = 'vertex' between bodies of revolution: the vertices alone do not integrate 2πr v; "
-                "expected 'gauss' or 'facet'"
+                f"quadrature = {quadrature!r} with a hard contact: its pressure would waver; expected 'mortar'"
+            )
+        if bodies[0].kinematics.ring and not RULES[quadrature].rings:
+            raise ValueError(
+                f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
+                f"expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"
             )
         self.sides = sides
         self.layer = layer
@@ -79,11 +107,15 @@ class Contact:
 
     @property
     def reach(self) -> float:
-        """How far apart partners may be."""
+        """The largest distance at which points of the surfaces are paired (length)."""
         return self.search_distance or min(body.mesh.size for body, _ in self.sides if body.mesh is not None)
 
     def resampled(self, degree: int) -> Contact:
-        """The same contact at Gauss points of another degree."""
+        """The same contact at Gauss points of another degree.
+
+        Args:
+            degree: The degree of exactness.
+        """
         other = copy(self)
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
@@ -107,22 +139,57 @@ class Contact:
         return other
 
     def raised(self, degrees: int) -> Contact:
-        """The same contact for elements whose degree is higher by `degrees`, its law at as many more Gauss points."""
+        """The same contact for elements whose degree is higher by `degrees`.
+
+        Its law is evaluated at as many more Gauss points; hard contact's pressures stay at nodes.
+        """
         other = copy(self)
-        other.quadrature = "gauss"
+        if not isinstance(self.layer, HardContact):
+            other.quadrature = "gauss"
         if self.quadrature_degree is not None:
             other.quadrature_degree = self.quadrature_degree + 2 * degrees
         return other
 
-    def with_layer(self, layer: Layer) -> Contact:
-        """The same contact with another layer."""
+    def at(self, x: np.ndarray) -> Contact:
+        """The same contact with its layer evaluated at given points; itself, where the layer does not vary.
+
+        Args:
+            x: (dim, n) The coordinates of the points (length).
+        """
+        if isinstance(self.layer, HardContact):
+            return self
+        layer = self.layer.at(x)
+        return self if layer is self.layer else self.with_law(layer)
+
+    def with_layer(self, layer: Layer | HardContact) -> Contact:
+        """The same contact with another layer.
+
+        Args:
+            layer: The new law, or `HardContact()`.
+
+        Raises:
+            TypeError, ValueError: It is no layer, or hard contact with another quadrature than "mortar".
+        """
         _check_layer(layer)
+        if isinstance(layer, HardContact) and not RULES[self.quadrature].of_nodes:
+            raise ValueError(
+                f"layer = {layer!r} in contact {self.name!r} with quadrature = {self.quadrature!r}: the pressure would "
+                "waver; expected a contact with quadrature='mortar'"
+            )
+        return self.with_law(layer)
+
+    def with_law(self, layer: Layer | HardContact) -> Contact:
+        """The same contact with another layer, which is known to suit it.
+
+        Args:
+            layer: The new law, or `HardContact()`.
+        """
         other = copy(self)
         other.layer = layer
         return other
 
     def frozen(self) -> Contact:
-        """The contact with the gap that it has now, whatever becomes of a parameter in it."""
+        """The same contact with its present gap, detached from later changes of a parameter."""
         other = copy(self)
         other.gap = current(self.gap)
         return other
@@ -144,6 +211,6 @@ def _checked_side(name: str, side: Side) -> tuple[Any, str]:
     return body, surface
 
 
-def _check_layer(layer: Layer) -> None:
-    if not isinstance(layer, Layer):
-        raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
+def _check_layer(layer: Layer | HardContact) -> None:
+    if not isinstance(layer, Layer | HardContact):
+        raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a), or cd.HardContact()")

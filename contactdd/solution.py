@@ -1,7 +1,8 @@
-"""What a solve returns: displacements, contact pressures and gaps, energies, stresses, and how it went."""
+"""The solution of a scene: displacements, stresses, contact pressures and gaps, energies, and how the run went."""
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -37,19 +38,37 @@ if TYPE_CHECKING:
     from .view.export import Fields as ExportedFields
 
 
+#: k h/E above which the pressure of points is replaced by the projected one on meshes that do not match.
+STIFF = 10.0
+
+
 class Solution:
-    """The result of `solve`.
+    """The result of `solve`: displacements, stresses, contact pressures, energies and the history of the iterations.
+
+    Lengths, stresses and forces are in the user's own units; forces and energies are per unit thickness in the plane
+    and those of the full ring for bodies of revolution.
 
     Args:
-        scene: that was solved.
-        ensemble: its discrete problem.
-        state: the last iterate.
-        history: of the iterations.
+        scene: The scene that was solved.
+        ensemble: Its discrete problem.
+        state: The last iterate.
+        history: The records of the iterations.
         status: "converged", "iteration limit", "stalled", "diverged", "no equilibrium" or "stopped".
-        reason: of that, in words.
-        method: the scheme's name.
-        local_solver: that was asked for.
-        cpu_seconds: what the solve took, with what it made of the scene for the first time.
+        reason: The reason of that, in words.
+        method: The scheme's name.
+        local_solver: The local solver that was asked for.
+        cpu_seconds: The CPU time of the solve and of what it made of the scene for the first time (s).
+
+    Example:
+        >>> import contactdd as cd
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.0), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower = cd.Body("lower", mesh, steel, supports=[cd.Fixed("bottom")])
+        >>> rollers = [cd.Symmetry("left"), cd.Symmetry("right")]
+        >>> upper = cd.Body("upper", mesh.moved((0, 1)), steel, supports=rollers, loads=[cd.Pressure("top", 3.0)])
+        >>> scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4))])
+        >>> solution = cd.solve(scene)
+        >>> round(solution.contact("lower-upper").force, 6), solution.forces("upper")["loads"].round(6).tolist()
+        (6.0, [0.0, -6.0])
     """
 
     def __init__(
@@ -79,7 +98,7 @@ class Solution:
 
     @property
     def iterations(self) -> int:
-        """How many iterations there were."""
+        """The number of iterations."""
         return len(self.history)
 
     @property
@@ -91,7 +110,10 @@ class Solution:
         """The displacement of a body (length), a dolfinx function; of a body without a mesh its unknowns, (dofs,).
 
         Args:
-            body: its name or the `Body`.
+            body: Its name or the `Body`.
+
+        Raises:
+            ValueError: The scene has no such body.
         """
         place = self._place(body)
         name = self.scene.bodies[place].name
@@ -107,10 +129,10 @@ class Solution:
         """The displacement (dofs,) of the body of the same name in the elements of another, to go on from (length).
 
         Args:
-            body: on the same mesh in elements of any degree, or numbered alike.
+            body: A body on the same mesh in elements of any degree, or numbered alike.
 
         Raises:
-            ValueError: for a body of which the solution tells nothing.
+            ValueError: The scene has no body of that name.
         """
         own = self.scene.bodies[self._place(body.name)]
         u = self.displacement(own)
@@ -121,94 +143,96 @@ class Solution:
         return u.x.array
 
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
-        """Pressure, gap and compression of a contact at its points.
+        """The pressure, gap and compression of a contact at its points.
 
         Args:
-            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
-            degree: of Gauss points that it is told at instead of its own.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
+            degree: The degree of exactness of Gauss points at which they are evaluated instead of the contact's own.
+
+        Raises:
+            ValueError: The scene has no such contact.
         """
         index = self._contact_index(contact)
-        interface, gaps = self.interfaces[index], self._state.gaps[index]
+        interface, gaps = self.interfaces[index], self._gaps[index]
+        pressure, gathered = self._pressure(index), interface.gathered
+        ratio = 0.0 if interface.hard else _stiffness_ratio(interface, gaps, pressure)
+        wavers = ratio > STIFF and interface.unlike
         if degree is not None:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
-        stress = interface.contact.layer.contact_stress(gaps)
-        meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
-        return ContactResult(
-            interface.x,
-            interface.normal,
-            interface.weights,
-            gaps,
-            np.minimum(gaps, 0.0),
-            -stress,
-            interface.unmatched,
-            interface.gap,
-            meshed.corners,
-            meshed.body.kinematics.ring,
-        )
+            if gathered is None:
+                pressure = 0.0 - interface.contact.layer.contact_stress(gaps)
+            else:  # a linear field, which the gaps between its nodes tell nothing of
+                pressure = interface.functions.interpolated(gathered @ pressure)
+        return _contact_result(interface, gaps, pressure, ratio, wavers)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the result has to know: where a layer is compressed further than its law is known."""
+        found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
+        return tuple(note for note in found if note)
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
-        """Pressure, gap and status of a contact facet by facet.
+        """The pressure, gap and status of a contact facet by facet.
 
         Args:
-            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
-            second: whether on the second body's surface instead of the first's.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
+            second: Whether on the second body's surface instead of the first's.
 
         Raises:
-            ValueError: for the side of a body without a mesh.
+            ValueError: The scene has no such contact, or that body has no mesh.
         """
         index = self._contact_index(contact)
-        interface, gaps = self.interfaces[index], self._state.gaps[index]
-        pressure = -interface.contact.layer.contact_stress(gaps)
+        interface, gaps, pressure = self.interfaces[index], self._gaps[index], self._pressure(index)
         body = self._meshed(interface.contact.sides[int(second)][0])
         return sample.surface_result(interface, int(second), gaps, pressure, self.displacement(body))
 
     def body(self, body: str | Body) -> BodyResult:
-        """A body's displacement and stress at its nodes, as plain arrays.
+        """The displacement and stress of a body at its nodes, as plain arrays.
 
         Args:
-            body: its name or the `Body`.
+            body: Its name or the `Body`.
 
         Raises:
-            ValueError: for a body without a mesh.
+            ValueError: The scene has no such body, or it has no mesh.
         """
         owner = self._meshed(body)
-        contacts = list(zip(self.interfaces, self._state.gaps, strict=True))
+        contacts = list(zip(self.interfaces, self._gaps, strict=True))
         return sample.body_result(owner, self.displacement(owner), self.stress(owner), contacts)
 
     def displacement_at(self, body: str | Body, points: ArrayLike) -> Floats:
-        """The displacement (n, dim) of a body at points (length).
+        """The displacements of a body at points, (n, dim) (length).
 
         Args:
-            body: its name or the `Body`.
-            points: (n, dim) of its undeformed shape.
+            body: Its name or the `Body`.
+            points: (n, dim) Points of its undeformed shape (length).
 
         Raises:
-            ValueError: for points outside of it and for a body without a mesh.
+            ValueError: Points lie outside of the body, or it has no mesh.
         """
         owner = self._meshed(body)
         return sample.values_at(owner, self.displacement(owner), points)
 
     def stress_at(self, body: str | Body, points: ArrayLike) -> Floats:
-        """The six stresses (n, 6) of a body at points, in the order of `stress`.
+        """The six stresses of a body at points, (n, 6), in the order of `stress`.
 
-        On the border of cells it is that of one of them.
+        On the border of cells the stress is that of one of them.
 
         Args:
-            body: its name or the `Body`.
-            points: (n, dim) of its undeformed shape.
+            body: Its name or the `Body`.
+            points: (n, dim) Points of its undeformed shape (length).
 
         Raises:
-            ValueError: for points outside of it and for a body without a mesh.
+            ValueError: Points lie outside of the body, or it has no mesh.
         """
         owner = self._meshed(body)
         return sample.values_at(owner, self.stress(owner), points)
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
-        """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it.
+        """The elastic energy ½ a(u, u) of a body or of all, that of springs included (force · length).
 
         Args:
-            body: its name or the `Body`; by default all.
+            body: Its name or the `Body`; by default all.
         """
         if body is None:
             return sum(self.elastic_energy(each) for each in self.scene.bodies)
@@ -216,21 +240,45 @@ class Solution:
 
     @property
     def layer_energy(self) -> float:
-        """J, the energy of all layers."""
-        return self._ensemble.layer_energy(self._state)
+        """J, the energy of all layers; a hard contact has none."""
+        return self._ensemble.layer_energy(self._state) - self._penalty_energy
 
     @property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        return self._ensemble.energy(self._state)
+        return self._ensemble.energy(self._state) - self._penalty_energy
+
+    @property
+    def _penalty_energy(self) -> float:
+        """What the augmented Lagrangian counts as the energy of hard contacts."""
+        contacts = zip(self.interfaces, self._state.gaps, strict=True)
+        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts if i.hard)
+
+    @property
+    def multipliers(self) -> list[Floats]:
+        """The pressures (points,) of every contact if one of them is hard, to go on from; else an empty list."""
+        return [self._pressure(index) for index in range(len(self.interfaces))] if self._state.shifts else []
+
+    @property
+    def _gaps(self) -> list[Floats]:
+        """The deformed gaps z at the points of every interface, of hard contacts too."""
+        gaps, shifts = self._state.gaps, self._state.shifts
+        return [z + s for z, s in zip(gaps, shifts, strict=True)] if shifts else gaps
+
+    def _pressure(self, index: int) -> Floats:
+        """The contact pressure at the points of an interface."""
+        return 0.0 - self.interfaces[index].contact.layer.contact_stress(self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
-        """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
+        """The six stresses of a body, a dolfinx function, in the order xx, yy, zz, yz, xz, xy.
 
-        In a body of revolution x is the radius, y the axis and z the hoop direction.
+        It is discontinuous between cells. In a body of revolution x is the radius, y the axis and z the hoop direction.
 
         Args:
-            body: its name or the `Body`.
+            body: Its name or the `Body`.
+
+        Raises:
+            ValueError: The scene has no such body.
         """
         owner = self.scene.bodies[self._place(body)]
         degree = max(owner.degree - 1, 0)
@@ -249,7 +297,10 @@ class Solution:
         They sum to zero. In a body of revolution they are those of the full ring, on which radial forces sum to zero.
 
         Args:
-            body: its name or the `Body`.
+            body: Its name or the `Body`.
+
+        Raises:
+            ValueError: The scene has no such body.
         """
         place = self._place(body)
         parts = self._nodal_forces(place)
@@ -274,7 +325,7 @@ class Solution:
         sums, sizes = [0.0], [0.0]
         for place, body in enumerate(self.scene.bodies):
             forces, resultant = self._nodal_forces(place).values(), self._ensemble.problems[place].dofs.resultant
-            sums.append(float(np.linalg.norm(resultant(sum(forces)))))
+            sums.append(float(np.linalg.norm(resultant(np.sum(list(forces), axis=0)))))
             for force in forces:
                 vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
                 sizes.append(float(np.linalg.norm(vectors, axis=1).sum()))
@@ -283,10 +334,10 @@ class Solution:
 
     @cached_property
     def residual(self) -> float:
-        """‖F₁'(u)‖ over all free displacements relative to the forces at work there, found from the fields anew.
+        """The residual ‖F₁'(u)‖ over all free displacements relative to the forces at work, from the recovered fields.
 
-        The forces at work are those that `solve` compares with, √(‖loads‖² + ‖contact forces‖²); where nothing is at
-        work at all, ‖F₁'(u)‖ itself is returned.
+        The forces at work are those that `solve` compares with, √(‖loads‖² + ‖contact forces‖²); where there are none,
+        the residual is ‖F₁'(u)‖ itself.
         """
         total = contacts = 0.0
         for place, problem in enumerate(self._ensemble.problems):
@@ -299,15 +350,16 @@ class Solution:
     def normal_stiffness(self, contact: str | int | Contact = 0) -> float:
         """The normal stiffness dF/dδ of a contact and its bodies, from the tangent (17) (force / length).
 
-        F is the contact force, δ by how much what holds the bodies comes together, which is to say by how much the gap
-        d shrinks everywhere; all loads stay. So it is that of the layer and of the bodies in series; zero where loads
-        alone fix the force. On several ranks all have to call it.
+        F is the contact force and δ the approach of the bodies' supports, which is a uniform reduction of the gap d;
+        all loads stay. The stiffness is that of the layer and of the bodies in series; zero where loads alone fix the
+        force. Collective: on several ranks all have to call it.
 
         Args:
-            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
 
         Raises:
-            LooseBodyError: where the closed contacts leave a body free.
+            ValueError: The scene has no such contact.
+            LooseBodyError: The closed contacts leave a body free.
         """
         from .iteration.closing_stiffness import closing_stiffness
 
@@ -315,7 +367,7 @@ class Solution:
 
     @cached_property
     def strain_sizes(self) -> list[StrainSize]:
-        """The largest strain and rotation of every body that has a mesh, in the order of the scene's bodies."""
+        """The largest strain and rotation of each body that has a mesh, in the order of the scene's bodies."""
         bodies = zip(self.scene.bodies, self._fields, strict=True)
         return [small_strains.strain_size(body, fields.displacement) for body, fields in bodies if body.mesh]
 
@@ -338,7 +390,7 @@ class Solution:
         """A matplotlib figure of pressure and gap along a contact, in space of a map of it.
 
         Args:
-            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
             options: `along`, `about`, `show`, `path`, `stress_unit`, `length_unit`, see
                 `view.contact_plot.plot_contact`.
         """
@@ -352,7 +404,7 @@ class Solution:
         """A picture of the deformed bodies, or of some, coloured by a stress.
 
         Args:
-            bodies: which, by their names or the bodies themselves; by default all that have a mesh.
+            bodies: Names of bodies or the bodies themselves; by default all that have a mesh.
             options: `component`, `scale`, `limits`, `camera`, `zoom`, `edges`, `undeformed`, `sweep`, `unit`, `path`,
                 `size`, `title`, see `view.body_plot.plot_bodies`.
         """
@@ -374,10 +426,11 @@ class Solution:
         One .vtu file of each body in its own degree: displacement, stress as a symmetric tensor and von Mises stress at
         the nodes, where neighbouring cells' stresses are averaged, and each cell's mean. Of each contact one of its
         points, with the pressures and gaps of `contact`, and one of each surface's facets, with those of
-        `contact_surface`; these also as text in contacts.xdmf. On several ranks all have to call it; the first writes.
+        `contact_surface`; these also as text in contacts.xdmf. Collective: on several ranks all have to call it; the
+        first writes.
 
         Args:
-            folder: where; files of the same names in it are replaced.
+            folder: The path of the folder; files of the same names in it are replaced.
         """
         from .view.export import export
 
@@ -386,24 +439,24 @@ class Solution:
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """The folder that the solution was saved in as plain data, to be read by `load_solution` without the scene.
 
-        On several ranks all have to call it; the first writes.
+        Collective: on several ranks all have to call it; the first writes.
 
         Args:
-            folder: where; it is made if missing, and an earlier solution in it is replaced.
+            folder: The path of the folder, which is made if missing; an earlier solution in it is replaced.
         """
         from .saved import save
 
         return self.scene.ranks.once(lambda: save(self._plain(), Path(folder)))
 
     def _exported(self) -> ExportedFields:
-        """What is written of the solution for ParaView."""
+        """The bodies' and contacts' results that are written for ParaView."""
         from .view.export import Fields
 
         contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in self.scene.contacts]
         return Fields([self.body(body) for body in self._with_mesh()], contacts)
 
     def _plain(self) -> SavedSolution:
-        """All that is told of the solution, as plain data."""
+        """The solution as plain data."""
         from .saved import SavedSolution
 
         names = ("energy", "layer_energy", "residual", "imbalance", "largest_strain", "largest_rotation")
@@ -420,7 +473,7 @@ class Solution:
         )
 
     def _surfaces(self, contact: str | int | Contact) -> Surfaces:
-        """Both sides of a contact, None for that of a body without a mesh."""
+        """The results of both surfaces of a contact, None for that of a body without a mesh."""
         first, second = self.scene.contacts[self._contact_index(contact)].sides
         return (
             self.contact_surface(contact) if first[0].mesh else None,
@@ -428,7 +481,7 @@ class Solution:
         )
 
     def _with_mesh(self) -> list[Body]:
-        """The bodies that have a mesh: what can be drawn and written."""
+        """The bodies that have a mesh, which can be drawn and written."""
         return [body for body in self.scene.bodies if body.mesh]
 
     def _meshed(self, body: str | Body) -> Body:
@@ -442,6 +495,7 @@ class Solution:
         lines = [f"Solution by {self.method!r}: {self.status} ({self.reason})"]
         for contact in self.scene.contacts:
             lines.append(f"  {contact.name}: {self.contact(contact)!r}")
+        lines += [f"  {note}" for note in self.notes]
         lines.append(
             f"  energy F₁ {self.energy:.8g}, weak residual {self.residual:.1e}, imbalance {self.imbalance:.1e}"
         )
@@ -461,7 +515,7 @@ class Solution:
 
     @cached_property
     def _fields(self) -> list[Fields]:
-        """The bodies' solutions; the insides are recovered when first asked for."""
+        """The bodies' solutions, recovered from the condensed unknowns when first asked for."""
         ensemble, state = self._ensemble, self._state
 
         def of(place: int) -> Fields:
@@ -471,9 +525,9 @@ class Solution:
         return self._settled(self.scene.ranks.each(of))
 
     def _settled(self, fields: list[Fields]) -> list[Fields]:
-        """The same with the motions taken out on which nothing depends, such as that of a whole stack that floats.
+        """The fields without the common rigid motion that neither loads nor contacts determine.
 
-        Which of them the iteration ends with is rounding; the displacements shown are the smallest.
+        Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
         """
         motions = self._ensemble.rigid
         if motions.modes.shape[1] == 0 or motions.neutral.shape[1] == 0:
@@ -486,13 +540,14 @@ class Solution:
         return [replace(f, displacement=f.displacement - move @ drift) for f, move in zip(fields, moves, strict=True)]
 
     def _closed(self, interface: Interface) -> Floats:
-        """u_αn + u_βn at the points of an interface, (points,), from the unknowns alone where they tell it."""
+        """u_αn + u_βn at the points of an interface, (points,), from the condensed unknowns where they suffice."""
         problems, unknowns = self._ensemble.problems, self._ensemble.split(self._state.unknowns)
         seen = [problems[side.body].seen(unknowns[side.body], side.trace) for side in interface.sides]
-        if any(values is None for values in seen):
+        told = [values for values in seen if values is not None]
+        if len(told) < len(seen):
             # The fields are settled, the unknowns are not: one side from each would differ by the motion taken out.
-            seen = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
-        return sum(seen)
+            told = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
+        return told[0] + told[1]
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
@@ -510,7 +565,63 @@ class Solution:
         return self.scene.contact_index(contact)
 
 
+def _passed(interface: Interface, gaps: Floats) -> str:
+    """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
+    contact, limit = interface.contact, interface.contact.layer.compression_limit
+    if limit is math.inf:
+        return ""
+    limit = np.broadcast_to(limit, gaps.shape)
+    beyond = -gaps > limit * (1 + 1e-9)  # at the last point itself rounding tells nothing
+    if not np.any(beyond):
+        return ""
+    worst = int(np.argmax(np.where(beyond, -gaps / limit, 0.0)))
+    share = float(interface.weights @ beyond) / float(interface.weights.sum())
+    return (
+        f"contact {contact.name!r}: on {share:.2g} of its area the layer is compressed further than its law is known, "
+        f"to {-gaps[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
+    )
+
+
 def _resampled(interface: Interface, degree: int) -> Interface:
     """The same contact at Gauss points of another degree."""
     first, second = interface.sides
-    return discretise(interface.contact.resampled(degree), (first.body, second.body), interface.facets)
+    contact, split = interface.contact.resampled(degree), interface.gathered is not None
+    return discretise(contact, (first.body, second.body), interface.facets, split)
+
+
+def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio: float, wavers: bool) -> ContactResult:
+    """The result at an interface's points; ratio: k h/E of the layer where it presses; wavers: whether its pressure
+    does."""
+    meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
+    if interface.gathered is None:
+        nodal = interface.functions.projected(pressure, interface.weights)
+        node_x, projected = interface.functions.x, interface.functions.at_values @ nodal
+    else:
+        node_x, projected, nodal = interface.x, pressure, pressure
+    return ContactResult(
+        interface.x,
+        interface.normal,
+        interface.weights,
+        gaps,
+        np.minimum(gaps, 0.0),
+        projected if wavers else pressure,
+        interface.unmatched,
+        interface.gap,
+        meshed.corners,
+        meshed.body.kinematics.ring,
+        pressure,
+        projected,
+        node_x,
+        nodal,
+        ratio,
+        wavers,
+        interface.hard,
+    )
+
+
+def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> float:
+    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
+    pressing = pressure > 0.0
+    shares = interface.weights[pressing] * pressure[pressing]
+    stiffness = interface.contact.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
+    return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

@@ -15,8 +15,10 @@ from typing import ParamSpec
 import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
-from .errors import ContactWarning, NoEquilibriumError, NotConvergedError
+from .errors import ContactWarning, LayerRangeWarning, NoEquilibriumError, NotConvergedError
+from .hard_contact import HardContact
 from .history import Record
+from .iteration.augmented import AugmentedRun
 from .iteration.checkpoint import CheckpointWriter, read
 from .iteration.interruption import interrupts_agreed
 from .iteration.progress import Progress
@@ -37,12 +39,12 @@ P = ParamSpec("P")
 #: γ of the decomposed methods if nothing is said: the paper's best.
 BEST_GAMMA = 0.6
 
-#: What part of the layer's compression facets may hide without a word.
+#: Largest uncertainty of the gap behind curved facets, relative to the layer's compression, without a warning.
 DOUBTFUL = 0.1
 
 
 def _by_all_ranks(function: Callable[P, Solution]) -> Callable[P, Solution]:
-    """The same function of a scene, in which an error or Ctrl-C of one rank ends all."""
+    """The same function of a scene, made collective: an error or Ctrl-C on one rank ends it on all."""
 
     @wraps(function)
     def together(*arguments: P.args, **options: P.kwargs) -> Solution:
@@ -77,35 +79,66 @@ def solve(
     resume: bool = False,
     time_limit: float | None = None,
 ) -> Solution:
-    """Solve the contact problem (15) of a scene.
+    """The solution of the contact problem (15) of a scene.
 
-    method: "auto" (a Newton method made global by the energy; its history tells what it chose), the decomposed
-        "one-point" (22), "chord" (32), "kurchatov" (36), "neumann", "robin" and "anderson" (the chord method,
-        accelerated), "newton-krylov" (Newton's method by solves of the bodies apart), the coupled "newton" (17),
-        "newton-chord" (26), "newton-kurchatov" (27), or a `Scheme`.
-    gamma: the relaxation γ > 0: a number, a sequence, a function of the iteration from 0, or "search" for the minimum
-        of the energy F₁; by default 0.6 for the decomposed methods and "search" for the others.
-    tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
-        ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
-    start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution` to
-        go on from, also one of elements of another degree on the same meshes. By default the decomposed methods, and
-        all with a given gamma, start from contacts closed by the mean load, the others from no deformation, with bodies
-        that float moved until their contacts close.
-    previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
-    local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
-        "multigrid" (nothing is factored, for large solids), or "auto".
-    callback: called with each iteration's `Record`; the run ends when it returns True.
-    progress: show a progress bar; by default when somebody watches.
-    on_failure: "raise", or "return" the solution with its status.
-    checkpoint: a file that keeps the state: written every `checkpoint_every` seconds, at the end and when the run is
-        interrupted (Ctrl-C, SIGTERM) or fails; where it is something else than a checkpoint of the same bodies and
-        method, or another run writes it, that stays as it is and a file beside it is taken, with a warning; so is
-        there a warning, and no more, where it can't be written. resume: go on from that file, to the same digits, if
-        it is there.
-    time_limit: seconds after which the run stops with the status "stopped".
+    Args:
+        scene: The scene.
+        method: "auto" (Newton's method with an exact line search on the convex energy F₁; `history` notes which linear
+            solver was chosen), the decomposed "one-point" (22), "chord" (32), "kurchatov" (36), "neumann", "robin" and
+            "anderson" (the chord method, accelerated), the coupled "newton" (17), "newton-chord" (26) and
+            "newton-kurchatov" (27), "newton-krylov" (17) (its linear systems by conjugate gradients, preconditioned by
+            solves of the single bodies), or a `Scheme`.
+        gamma: The relaxation γ > 0: a number, a sequence (the run ends with it), a function of the iteration from 0, or
+            "search" for the minimum of the energy F₁; by default 0.6 for the decomposed methods and "search" for the
+            others.
+        tolerance: The bound of the stopping criterion (no unit).
+        criterion: "residual": ‖F₁'(u)‖ relative to the forces at work; or "change", the paper's rule,
+            ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
+        max_iterations: The largest number of iterations; after it the run ends with the status "iteration limit".
+        start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution`
+            to go on from, also one in elements of another degree on the same meshes. By default the decomposed methods,
+            and all with a given gamma, start from contacts closed by the mean load, the others from undeformed bodies,
+            of which floating ones are moved until their contacts close.
+        previous: u_n of the iterate before the start (length), for the two-point methods; by default the start itself.
+        local_solver: "condensed" (each body is condensed once to the displacements at its contacts, by a Schur
+            complement; the default up to a size), "assembled" (each body's full matrix is assembled and factored in
+            every iteration), "multigrid" (nothing is factored, for large solids), a registered name, or "auto".
+        callback: A function of each iteration's `Record`; the run ends when it returns True.
+        progress: Whether a progress bar is shown, by default on a terminal or in a notebook.
+        on_failure: "raise" an error, or "return" the last iterate as a solution with its status.
+        checkpoint: The path of a file to keep the state in. It is written every `checkpoint_every` seconds, at the end
+            and when the run is interrupted (Ctrl-C, SIGTERM) or fails. A file that is no checkpoint of the same bodies
+            and method, or that another run writes, is kept, and a file beside it is taken, with a warning; a file that
+            cannot be written causes a warning only.
+        checkpoint_every: The time between checkpoints (s).
+        resume: Whether to go on from the checkpoint, to the same digits, if the file exists.
+        time_limit: The time after which the run stops with the status "stopped" (s), by default unlimited.
 
-    Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
-    CheckpointError for a checkpoint that is damaged or of another run.
+    Returns:
+        The solution; with the status "stopped" if the callback or the time limit ended the run.
+
+    Raises:
+        TypeError, ValueError: An argument is none of these; hard contacts with a checkpoint.
+        NotConvergedError: The run ended without a solution.
+        NoEquilibriumError: There is no solution: the loads move a body for ever.
+        CheckpointError: The checkpoint is damaged or of another run.
+
+    Warns:
+        LayerRangeWarning: A layer is compressed further than its law is known.
+        LargeStrainWarning: Strains or rotations are too large for linear theory.
+        ContactWarning: Facets leave open which curved surface is meant.
+        RuntimeWarning: The checkpoint cannot be written, or not in the file given.
+
+    Example:
+        >>> import contactdd as cd
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.0), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower = cd.Body("lower", mesh, steel, supports=[cd.Fixed("bottom")])
+        >>> rollers = [cd.Symmetry("left"), cd.Symmetry("right")]
+        >>> upper = cd.Body("upper", mesh.moved((0, 1)), steel, supports=rollers, loads=[cd.Pressure("top", 3.0)])
+        >>> contact = cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4))
+        >>> solution = cd.solve(cd.Scene([lower, upper], [contact]))
+        >>> solution.status, round(solution.contact().peak_pressure, 6)
+        ('converged', 3.0)
     """
     began, ranks = time.process_time(), scene.ranks
     scheme = find_scheme(method)
@@ -124,12 +157,18 @@ def solve(
         ends = {"time_limit": time_limit, "on_failure": on_failure, "resume": resume}
         way = {"method": f"{scheme.name}, {scheme.step}", "local_solver": local_solver}
         refuse_differences(scene, way | given | limits | ends)
-    ensemble = Ensemble(scene.local_problems(local_solver), scene.interfaces)
+    hard = any(isinstance(contact.layer, HardContact) for contact in scene.contacts)
+    if hard and file is not None:
+        raise ValueError(f"checkpoint = {checkpoint!r}: hard contacts' multipliers are not kept; expected None")
+    problems, interfaces = scene.local_problems(local_solver), scene.interfaces
+    if hard and scheme.decomposed:
+        interfaces = [interface.decomposed() for interface in interfaces]
+    ensemble = Ensemble(problems, interfaces)
     if resume and ranks.once(file.exists):
         earlier = read(file, ensemble, scheme.name, ranks)
     else:
         earlier = (_start(ensemble, scene, scheme, gamma, start, previous),)
-    run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
+    run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
     keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
     with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
         deadline = time.monotonic() + seconds
@@ -145,6 +184,7 @@ def solve(
         scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name, local_solver, spent
     )
     _warn_of_facets(solution)
+    _warn_of_notes(solution)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
         if ending.escape is not None:
             raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution, ending.escape.advice)
@@ -155,13 +195,14 @@ def solve(
 
 
 def _warn_of_facets(solution: Solution) -> None:
-    """Warn where what facets hide of a curved surface is not small beside what the layer is compressed by."""
+    """Warn where the uncertainty of the gap behind facets is not small compared with the layer's compression."""
     for interface in solution.interfaces:
         if interface.doubt is not None and solution.scene.ranks.comm.rank == 0:
             result = solution.contact(interface.contact.name)
             near = np.flatnonzero((interface.doubt > 0.0) & (result.gap < interface.doubt))
             doubt = float(interface.doubt[near].mean()) if len(near) else 0.0
-            compression = float(-result.compression[near].mean()) if len(near) else 0.0
+            pressed = result.pressure / interface.facet_stiffness if interface.hard else -result.compression
+            compression = float(pressed[near].mean()) if len(near) else 0.0
             if doubt > DOUBTFUL * compression:
                 warnings.warn(
                     f"contact {interface.contact.name!r}: where the surfaces touch or nearly do, their facets do not "
@@ -173,6 +214,13 @@ def _warn_of_facets(solution: Solution) -> None:
                 )
 
 
+def _warn_of_notes(solution: Solution) -> None:
+    """Warn where a layer is compressed further than its law is known."""
+    if solution.converged and solution.scene.ranks.comm.rank == 0:
+        for note in solution.notes:
+            warnings.warn(note, LayerRangeWarning, stacklevel=3)
+
+
 def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> StoppingCriterion:
     """The stopping rule, its numbers checked."""
     check_choice("criterion", criterion, ("residual", "change"))
@@ -182,7 +230,7 @@ def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> Stoppi
 
 
 def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
-    """γ^0, γ^1, … of whatever the user gave; None where it is to be searched."""
+    """The relaxations γ^0, γ^1, …; None where γ is found by a line search."""
     if gamma is None:
         gamma = BEST_GAMMA if scheme.decomposed else "search"
     if isinstance(gamma, str):
@@ -199,7 +247,7 @@ def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
 
 
 def _file(checkpoint: str | Path | None, resume: bool) -> Path | None:
-    """The file of the checkpoint, in a folder that is there."""
+    """The path of the checkpoint, checked: a file in a folder that can be written to."""
     if checkpoint is None:
         if resume:
             raise ValueError("resume = True: expected a checkpoint to go on from")
@@ -213,7 +261,7 @@ def _file(checkpoint: str | Path | None, resume: bool) -> Path | None:
 
 
 def _check_start(start: starts.Given | Solution | None, previous: starts.Given | None) -> None:
-    """Refuse what no run can start from."""
+    """Refuse a start that is no number, function or solution."""
     if start is None and previous is not None:
         raise ValueError(f"previous = {previous!r}: expected a start to go with it")
     for name, value in (("start", None if isinstance(start, Solution) else start), ("previous", previous)):
@@ -232,7 +280,8 @@ def _start(
     """The first iterate."""
     if isinstance(start, Solution):
         bodies = {body.name: body for body in scene.bodies}
-        return starts.from_displacements(ensemble, lambda name: start.displacement_on(bodies[name]))
+        state = starts.from_displacements(ensemble, lambda name: start.displacement_on(bodies[name]))
+        return starts.with_multipliers(state, ensemble, start.multipliers)
     ranks = scene.ranks
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
