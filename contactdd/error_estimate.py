@@ -8,20 +8,21 @@ the truth on meshes that resolve the contact; it is an estimate and no bound.
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from dolfinx import fem
+from numpy.typing import NDArray
 
-from .base.arrays import Floats
+from .base.arrays import Floats, Indices
 from .base.checks import as_count
 from .body import Body
 from .contact import Contact
 from .contact_result import ContactResult
 from .scene import Scene
-from .solution import Solution
+from .solution import STIFF, Solution
 from .solve import solve
 
 
@@ -50,41 +51,31 @@ class Estimated:
 
 @dataclass(frozen=True)
 class ContactErrorEstimate:
-    """The estimated errors of one contact, at n Gauss points of the better solution.
+    """The estimated errors of one contact, at the n points of its `ContactResult`.
 
     Args:
         name: Of the contact.
-        result: The solution's own contact quantities at these points.
-        better: Those of the better solution at the same points.
-        told: What the solution tells at its own points, with the force that balances the loads.
+        result: The contact quantities of the solution, as `Solution.contact` tells them.
+        better: Those of the better solution, at its own points.
+        better_gap: (n,) The better solution's gap at the points of `result` (length).
+        better_pressure: (n,) Its contact pressure there (stress).
     """
 
     name: str
     result: ContactResult
     better: ContactResult
-    told: ContactResult
-
-    @property
-    def x(self) -> Floats:
-        """The points (n, dim), on the first body's surface."""
-        return self.result.x
-
-    @property
-    def weights(self) -> Floats:
-        """The area (n,) that each point stands for."""
-        return self.result.weights
+    better_gap: Floats
+    better_pressure: Floats
 
     @property
     def pressure_error(self) -> Floats:
         """The error (n,) of the contact pressure, positive where the solution's is too large (stress)."""
-        return self.result.pressure - self.better.pressure
+        return self.result.pressure - self.better_pressure
 
     @property
     def pressure(self) -> Estimated:
         """The contact pressure as root mean squares over the real contact area; its relative error is that in L²."""
-        area = self.better.area or self.result.nominal_area
-        norms = [_norm(self.weights, p) / area**0.5 for p in (self.result.pressure, self.pressure_error)]
-        return Estimated(norms[0], norms[1], _norm(self.weights, self.better.pressure) / area**0.5)
+        return _mean_squares([self])
 
     @property
     def largest_error(self) -> float:
@@ -93,13 +84,13 @@ class ContactErrorEstimate:
 
     @property
     def force(self) -> Estimated:
-        """The contact force ∫ p ds, as a sum over each solution's own points."""
-        return _difference(self.told.force, self.better.force)
+        """The contact force ∫ p ds."""
+        return _difference(self.result.force, self.better.force)
 
     @property
     def peak_pressure(self) -> Estimated:
         """The largest contact pressure at each solution's own points (stress)."""
-        return _difference(self.told.peak_pressure, self.better.peak_pressure)
+        return _difference(self.result.peak_pressure, self.better.peak_pressure)
 
     @property
     def area(self) -> Estimated:
@@ -107,8 +98,12 @@ class ContactErrorEstimate:
 
         Points are counted as a whole: of a difference smaller than what a point stands for only `edge` tells.
         """
-        differs = self.result.closed != self.better.closed
-        return Estimated(self.result.area, float(self.weights[differs].sum()), self.better.area)
+        differs = self.result.closed != self._better_closed
+        return Estimated(self.result.area, float(self.result.weights[differs].sum()), self.better.area)
+
+    @property
+    def _better_closed(self) -> NDArray[np.bool_]:
+        return self.better_pressure > 0.0 if self.result.hard else self.better_gap < 0.0
 
     @property
     def edge(self) -> Floats:
@@ -153,12 +148,7 @@ class ErrorEstimate:
     @property
     def pressure(self) -> Estimated:
         """The contact pressure of all contacts as root mean squares over their real areas; relative errors in L²."""
-        area = sum(contact.better.area or contact.result.nominal_area for contact in self.contacts)
-        squares = np.zeros(3)
-        for contact in self.contacts:
-            for place, p in enumerate((contact.result.pressure, contact.pressure_error, contact.better.pressure)):
-                squares[place] += contact.weights @ p**2
-        return Estimated(*np.sqrt(squares / area).tolist())
+        return _mean_squares(self.contacts)
 
     @property
     def energy(self) -> Estimated:
@@ -229,15 +219,16 @@ def error_estimate(solution: Solution, *, degrees: int = 1) -> ErrorEstimate:
     The meshes, materials, supports, loads and contacts are the same; the better solve starts from the solution. It may
     compile forms of that degree when they are first met. A solution that did not converge is compared too: its error
     is then that of the iteration as well. Contacts of the better scene evaluate the law at Gauss points, whatever the
-    solution's own do; the pressures that are compared are those of `Solution.contact` with its `degree`. On several
-    ranks all have to call it.
+    solution's own do; pressures are compared at the points of `Solution.contact`. On several ranks all have to call it.
 
     Args:
         solution: Of `solve`, whose scene has its parameters at any values: the solution's own are taken.
         degrees: By how many degrees the elements of the better solution are higher.
 
     Raises:
-        TypeError, ValueError: It is no solution, or elements of a degree so high do not exist.
+        TypeError, ValueError: It is no solution, elements of a degree so high do not exist, or elements of degree 2
+            and more meet a contact whose pressure is linear between nodes of the mesh however they are: a hard one, or
+            one of a layer far stiffer than they are, on meshes that do not match.
         NotConvergedError: The better solve does not end.
 
     Example:
@@ -255,11 +246,29 @@ def error_estimate(solution: Solution, *, degrees: int = 1) -> ErrorEstimate:
         raise TypeError(f"solution = {solution!r}: expected a Solution, such as cd.solve(...) returns")
     higher = as_count("degrees", degrees)
     began = time.process_time()
+    for index in range(len(solution.scene.contacts)):
+        _refuse_nodal_pressure(solution, index)
     with solution.scene.at(solution.parameter_values):
         scene = _raised(solution.scene, higher)
         better = solve(scene, start=solution, local_solver=solution.local_solver, progress=False)
         contacts = tuple(_compared(solution, better, index) for index in range(len(scene.contacts)))
     return ErrorEstimate(solution, better, contacts, time.process_time() - began)
+
+
+def _refuse_nodal_pressure(solution: Solution, index: int) -> None:
+    """Refuse a pressure that is linear between nodes whatever the elements' degree, where its error is that of this.
+
+    Elements of degree one do no better themselves. Under a soft layer the pressures of nodes differ by as much as the
+    elements' displacements do.
+    """
+    interface, result = solution.interfaces[index], solution.contact(index)
+    nodal = result.hard or result.wavers or (interface.gathered is not None and result.stiffness_ratio > STIFF)
+    if nodal and max(body.degree for body, _ in interface.contact.sides if body.mesh is not None) > 1:
+        layer = "no layer" if result.hard else f"a layer {result.stiffness_ratio:.3g} times as stiff as the elements"
+        raise ValueError(
+            f"contact {interface.contact.name!r}: with {layer} its pressure is linear between nodes of the mesh, of "
+            "which elements of a higher degree tell nothing; expected elements of degree 1, or meshes that match"
+        )
 
 
 def _raised(scene: Scene, degrees: int) -> Scene:
@@ -272,22 +281,38 @@ def _raised(scene: Scene, degrees: int) -> Scene:
 
 
 def _compared(solution: Solution, better: Solution, index: int) -> ContactErrorEstimate:
-    """Both solutions of a contact at the better one's Gauss points."""
-    contact = better.scene.contacts[index]
-    degree = contact.quadrature_degree or 2 * max(body.degree for body, _ in contact.sides if body.mesh is not None)
-    own, other = (each.contact(index, degree=degree) for each in (solution, better))
-    if own.x.shape != other.x.shape or np.abs(own.x - other.x).max() > 1e-9 * np.abs(own.x).max():
-        raise RuntimeError(f"contact {contact.name!r}: its points are others in elements of another degree")
-    return ContactErrorEstimate(contact.name, own, other, solution.contact(index))
+    """Both solutions of a contact at the points of the first."""
+    interface, result, best = solution.interfaces[index], solution.contact(index), better.contact(index)
+    gap, pressure = better.contact_at(interface)
+    nodes, nodal = best.node_x, best.nodal_pressure
+    if not result.hard and result.stiffness_ratio > STIFF and nodes is not None and nodal is not None:
+        # The law's own pressure wavers between points that are not its own. That of nodes is as sure as the solution's.
+        if interface.gathered is not None:
+            pressure = nodal[_nearest(result.x, nodes)]
+        elif result.wavers or interface.rule.name == "facet":
+            pressure = interface.functions.at_values @ nodal
+    return ContactErrorEstimate(interface.contact.name, result, best, gap, pressure)
+
+
+def _nearest(points: Floats, nodes: Floats) -> Indices:
+    """The node (k, dim) that lies at each point (n, dim)."""
+    from scipy.spatial import cKDTree
+
+    return cKDTree(nodes).query(points)[1]
 
 
 def _difference(value: float, better: float) -> Estimated:
     return Estimated(value, abs(value - better), abs(better))
 
 
-def _norm(weights: Floats, values: Floats) -> float:
-    """‖·‖ in L² of values (n,) at points that stand for areas."""
-    return float(np.sqrt(weights @ values**2))
+def _mean_squares(contacts: Sequence[ContactErrorEstimate]) -> Estimated:
+    """The pressure of contacts, its error and the better one, as root mean squares over their real contact areas."""
+    area, squares = 0.0, np.zeros(3)
+    for contact in contacts:
+        area += contact.better.area or contact.result.nominal_area
+        for place, p in enumerate((contact.result.pressure, contact.pressure_error, contact.better_pressure)):
+            squares[place] += contact.result.weights @ p**2
+    return Estimated(*np.sqrt(squares / area).tolist())
 
 
 def _largest(u: Floats, dim: int) -> float:

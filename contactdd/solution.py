@@ -161,10 +161,28 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
             if gathered is None:
-                pressure = 0.0 - interface.contact.layer.contact_stress(gaps)
+                pressure = _law_pressure(interface, gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
         return _contact_result(interface, gaps, pressure, ratio, wavers)
+
+    def contact_at(self, other: Interface) -> tuple[Floats, Floats]:
+        """The gap (length) and the contact pressure (stress), (points,) each, at the points of the same contact as it
+        was discretised for another solution, on the same meshes in elements of another degree.
+
+        Args:
+            other: That solution's interface.
+        """
+        index = self.scene.contact_index(other.contact.name)
+        interface = self.interfaces[index]
+        places = other.sides[0].body, other.sides[1].body
+        seen = discretise(interface.contact, places, other.facets, other.gathered is not None, other.rule)
+        if seen.x.shape != other.x.shape or np.abs(seen.x - other.x).max() > 1e-9 * np.abs(other.x).max():
+            raise RuntimeError(f"contact {other.contact.name!r}: its points are others in elements of another degree")
+        if interface.hard:  # the pressures of nodes, which are the same
+            return self._gaps[index], self._pressure(index)
+        gaps = seen.gap - self._closed(seen)
+        return gaps, _law_pressure(seen, gaps)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -267,7 +285,7 @@ class Solution:
 
     def _pressure(self, index: int) -> Floats:
         """The contact pressure at the points of an interface."""
-        return 0.0 - self.interfaces[index].contact.layer.contact_stress(self._state.gaps[index])
+        return _law_pressure(self.interfaces[index], self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
         """The six stresses of a body, a dolfinx function, in the order xx, yy, zz, yz, xz, xy.
@@ -580,6 +598,11 @@ def _passed(interface: Interface, gaps: Floats) -> str:
         f"contact {contact.name!r}: on {share:.2g} of its area the layer is compressed further than its law is known, "
         f"to {-gaps[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
     )
+
+
+def _law_pressure(interface: Interface, gaps: Floats) -> Floats:
+    """The contact pressure −g⁻(z) of gaps z at the points of an interface."""
+    return 0.0 - interface.contact.layer.contact_stress(gaps)
 
 
 def _resampled(interface: Interface, degree: int) -> Interface:

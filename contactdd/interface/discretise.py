@@ -138,6 +138,11 @@ class Interface:
         return self.with_layer(self.contact.layer.decomposed()) if self.hard else self
 
     @property
+    def rule(self) -> Quadrature:
+        """The quadrature rule that tells where the points are."""
+        return next(side.surface.rule for side in self.sides if isinstance(side.surface, ContactSurface))
+
+    @property
     def hard(self) -> bool:
         """Whether the contact has no layer."""
         return isinstance(self.contact.layer, AugmentedLayer)
@@ -152,21 +157,28 @@ def without_rounding(distance: Floats, size: float) -> Floats:
 
 
 def discretise(
-    contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None, split: bool = False
+    contact: Contact,
+    bodies: tuple[int, int],
+    facets: NDArray[np.intp] | None = None,
+    split: bool = False,
+    rule: Quadrature | None = None,
 ) -> Interface:
     """The interface of a contact between the bodies at the given places of a scene.
 
     facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
-    split into segments even where they match.
+    split into segments even where they match; rule: another than the contact's own.
     """
-    interface = _discretised(contact, bodies, facets, split)
+    if rule is None:
+        degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
+        rule = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
+    interface = _discretised(contact, bodies, facets, split, rule)
     return interface.with_layer(contact.layer) if isinstance(contact.layer, HardContact) else interface
 
 
-def _discretised(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None, split: bool) -> Interface:
+def _discretised(
+    contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None, split: bool, quadrature: Quadrature
+) -> Interface:
     """The interface with the layer that the contact has."""
-    degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
-    quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     if any(body.mesh is None for body, _ in contact.sides):
         return _opposite_meshless(contact, bodies, quadrature)
     first, second = _surfaces(contact, quadrature)
