@@ -79,7 +79,7 @@ class BodyResult:
 
     @property
     def ring(self) -> bool:
-        """Whether it is a body of revolution, points[:, 0] the radius."""
+        """Whether the body is a body of revolution, points[:, 0] the radius."""
         return self.kinematics == "axisymmetric"
 
     @property

@@ -91,7 +91,7 @@ class Contact:
             raise ValueError(
                 f"quadrature = {quadrature!r} with a hard contact: its pressure would waver; expected 'mortar'"
             )
-        if bodies[0].kinematics.ring and not RULES[quadrature].rings:
+        if bodies[0].kinematics.axisymmetric and not RULES[quadrature].rings:
             raise ValueError(
                 f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
                 f"expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"
@@ -139,9 +139,12 @@ class Contact:
         return other
 
     def raised(self, degrees: int) -> Contact:
-        """The same contact for elements whose degree is higher by `degrees`.
+        """The same contact for elements of a higher degree.
 
-        Its law is evaluated at as many more Gauss points; hard contact's pressures stay at nodes.
+        Its law is evaluated at more Gauss points; hard contact's pressures stay at nodes.
+
+        Args:
+            degrees: By how many degrees the elements are higher.
         """
         other = copy(self)
         if not isinstance(self.layer, HardContact):
@@ -149,17 +152,6 @@ class Contact:
         if self.quadrature_degree is not None:
             other.quadrature_degree = self.quadrature_degree + 2 * degrees
         return other
-
-    def at(self, x: np.ndarray) -> Contact:
-        """The same contact with its layer evaluated at given points; itself, where the layer does not vary.
-
-        Args:
-            x: (dim, n) The coordinates of the points (length).
-        """
-        if isinstance(self.layer, HardContact):
-            return self
-        layer = self.layer.at(x)
-        return self if layer is self.layer else self.with_law(layer)
 
     def with_layer(self, layer: Layer | HardContact) -> Contact:
         """The same contact with another layer.
@@ -176,14 +168,6 @@ class Contact:
                 f"layer = {layer!r} in contact {self.name!r} with quadrature = {self.quadrature!r}: the pressure would "
                 "waver; expected a contact with quadrature='mortar'"
             )
-        return self.with_law(layer)
-
-    def with_law(self, layer: Layer | HardContact) -> Contact:
-        """The same contact with another layer, which is known to suit it.
-
-        Args:
-            layer: The new law, or `HardContact()`.
-        """
         other = copy(self)
         other.layer = layer
         return other

@@ -144,7 +144,7 @@ class ContactResult:
         """
         if self.force == 0.0:
             return np.full(self.x.shape[1], np.nan)
-        centre = (self.weights * self.pressure) @ self.x / self.force
+        centre = np.asarray((self.weights * self.pressure) @ self.x / self.force)
         return centre * np.array([0.0, 1.0]) if self.ring else centre
 
     def moment(self, about: ArrayLike = 0.0) -> float | Floats:

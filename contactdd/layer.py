@@ -332,7 +332,7 @@ class LinearLayer(Layer):
         return 0.5 * self.stiffness * c**2
 
     def _depth(self, p: Floats) -> Floats:
-        return p / self.stiffness
+        return np.asarray(p / self.stiffness)
 
 
 def _sheet_modulus(E: float, nu: float, bonded: bool) -> float:

@@ -26,6 +26,7 @@ from .contact_result import ContactResult
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
+from .interface.surface import ContactSurface
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
 
@@ -186,7 +187,7 @@ class Solution:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the result has to know: where a layer is compressed further than its law is known."""
+        """Remarks on the result: contacts where a layer is compressed further than its law is known."""
         found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
         return tuple(note for note in found if note)
 
@@ -270,7 +271,7 @@ class Solution:
     def _penalty_energy(self) -> float:
         """What the augmented Lagrangian counts as the energy of hard contacts."""
         contacts = zip(self.interfaces, self._state.gaps, strict=True)
-        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts if i.hard)
+        return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
     @property
     def multipliers(self) -> list[Floats]:
@@ -548,10 +549,10 @@ class Solution:
         Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
         """
         motions = self._ensemble.rigid
-        if motions.modes.shape[1] == 0 or motions.neutral.shape[1] == 0:
+        if motions.modes.shape[1] == 0 or motions.kernel.shape[1] == 0:
             return fields
         moves = []
-        parts = motions.by_owner(motions.neutral)
+        parts = motions.by_owner(motions.kernel)
         for problem, owner, part in zip(self._ensemble.problems, motions.owners, parts, strict=True):
             moves.append(problem.dofs.rigid_displacements(owner.coefficients @ part))
         drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
@@ -585,7 +586,7 @@ class Solution:
 
 def _passed(interface: Interface, gaps: Floats) -> str:
     """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
-    contact, limit = interface.contact, interface.contact.layer.compression_limit
+    contact, limit = interface.contact, interface.layer.compression_limit
     if limit is math.inf:
         return ""
     limit = np.broadcast_to(limit, gaps.shape)
@@ -602,7 +603,7 @@ def _passed(interface: Interface, gaps: Floats) -> str:
 
 def _law_pressure(interface: Interface, gaps: Floats) -> Floats:
     """The contact pressure −g⁻(z) of gaps z at the points of an interface."""
-    return 0.0 - interface.contact.layer.contact_stress(gaps)
+    return 0.0 - interface.layer.contact_stress(gaps)
 
 
 def _resampled(interface: Interface, degree: int) -> Interface:
@@ -615,7 +616,7 @@ def _resampled(interface: Interface, degree: int) -> Interface:
 def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio: float, wavers: bool) -> ContactResult:
     """The result at an interface's points; ratio: k h/E of the layer where it presses; wavers: whether its pressure
     does."""
-    meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
+    meshed = next(side.surface for side in interface.sides if isinstance(side.surface, ContactSurface))
     if interface.gathered is None:
         nodal = interface.functions.projected(pressure, interface.weights)
         node_x, projected = interface.functions.x, interface.functions.at_values @ nodal
@@ -631,7 +632,7 @@ def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio:
         interface.unmatched,
         interface.gap,
         meshed.corners,
-        meshed.body.kinematics.ring,
+        meshed.body.kinematics.axisymmetric,
         pressure,
         projected,
         node_x,
@@ -646,5 +647,5 @@ def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> fl
     """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
     pressing = pressure > 0.0
     shares = interface.weights[pressing] * pressure[pressing]
-    stiffness = interface.contact.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
+    stiffness = interface.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
     return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

@@ -8,6 +8,7 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import nullcontext
 from functools import wraps
 from pathlib import Path
 from typing import ParamSpec
@@ -164,18 +165,21 @@ def solve(
     if hard and scheme.decomposed:
         interfaces = [interface.decomposed() for interface in interfaces]
     ensemble = Ensemble(problems, interfaces)
-    if resume and ranks.once(file.exists):
-        earlier = read(file, ensemble, scheme.name, ranks)
+    step = find_step(scheme, ensemble, ranks)
+    run: Run | AugmentedRun
+    if file is not None and resume and ranks.once(file.exists):
+        run = Run(ensemble, ranks, scheme, step, *read(file, ensemble, scheme.name, ranks))
     else:
-        earlier = (_start(ensemble, scene, scheme, gamma, start, previous),)
-    run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
-    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
-    with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
+        first = _start(ensemble, scene, scheme, gamma, start, previous)
+        run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, step, first)
+    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
+    with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper or nullcontext():
         deadline = time.monotonic() + seconds
 
         def observe(record: Record) -> bool:
             bar.update(record)
-            keeper.update()
+            if keeper is not None:
+                keeper.update()
             return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
@@ -238,7 +242,7 @@ def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
         return itertools.repeat(None)
     if callable(gamma):
         return (positive("gamma", gamma(k)) for k in itertools.count())
-    if isinstance(gamma, Iterable) and np.ndim(gamma) > 0:
+    if isinstance(gamma, Iterable) and np.asarray(gamma).ndim > 0:
         values = [positive("gamma", value) for value in gamma]
         if not values:
             raise ValueError(f"gamma = {gamma!r}: expected at least one number")
@@ -285,6 +289,6 @@ def _start(
     ranks = scene.ranks
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
-    # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
+    # Contacts without pressure hold no body; only a line search on the energy survives that.
     guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.together(ensemble) if guarded else starts.closed(ensemble, ranks)
+    return starts.rigidly_closed(ensemble) if guarded else starts.uniformly_closed(ensemble, ranks)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import finite, positive, positive_values
-from .calculus import TINY, power_series, relative_expm1, solve_increasing
+from .calculus import TINY, power_series, ratio, relative_expm1, solve_increasing
 from .limited import LimitedLayer
 
 #: Decay lengths after which an exponential that has no end is cut: e^-40 = 4e-18 of its pressure at no separation.
@@ -51,7 +51,7 @@ class ExponentialLayer(LimitedLayer):
 
     p0: float
     w0: float
-    clearance: float = 0.0  # type: ignore[assignment, misc]
+    clearance: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "p0", positive_values("p0", self.p0))
@@ -132,10 +132,10 @@ class ExponentialLayer(LimitedLayer):
         return self.p0 / self.w0 * np.exp(c / self.w0)
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
-        return self._known_slope(shallow) * relative_expm1((deep - shallow) / self.w0)
+        return self._known_slope(shallow) * relative_expm1(ratio(deep - shallow, self.w0))
 
     def _known_energy(self, c: Floats) -> Floats:
-        s = c / self.w0
+        s = ratio(c, self.w0)
         small = s**2 * power_series(_EXCESS, np.minimum(s, 0.1))
         return self.p0 * self.w0 * np.where(s < 0.1, small, np.expm1(s) - s)
 
@@ -185,21 +185,21 @@ class OverclosureLayer(LimitedLayer):
         return self.p0 / math.expm1(1.0)
 
     def _known_pressure(self, c: Floats) -> Floats:
-        s = c / self.c0
+        s = ratio(c, self.c0)
         return self._factor * s * np.expm1(s)
 
     def _known_slope(self, c: Floats) -> Floats:
-        s = c / self.c0
+        s = ratio(c, self.c0)
         return self._factor / self.c0 * (np.expm1(s) + s * np.exp(s))
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
         # The product rule for divided differences: of s (e^s - 1), all terms are positive.
-        s, t = deep / self.c0, shallow / self.c0
-        growth = np.exp(t) * relative_expm1((deep - shallow) / self.c0)
+        s, t = ratio(deep, self.c0), ratio(shallow, self.c0)
+        growth = np.exp(t) * relative_expm1(ratio(deep - shallow, self.c0))
         return self._factor / self.c0 * (np.expm1(s) + t * growth)
 
     def _known_energy(self, c: Floats) -> Floats:
-        s = c / self.c0
+        s = ratio(c, self.c0)
         small = s**3 * power_series(_OVERCLOSURE_ENERGY, np.minimum(s, 0.5))
         return self._factor * self.c0 * np.where(s < 0.5, small, (s - 1) * np.exp(s) + 1 - s**2 / 2)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import positive_values
-from .calculus import log_of_rest, power_series
+from .calculus import log_of_rest, power_series, ratio
 from .limited import STEEP, LimitedLayer
 
 #: (-log(1 - s) - s) / s² = Σ s^k / (k + 2), enough of it for s < 0.05.
@@ -50,19 +50,19 @@ class HyperbolicLayer(LimitedLayer):
 
     def _rest(self, c: Floats) -> Floats:
         """1 - c/V, which V - c gives without cancellation."""
-        return (self.closure - c) / self.closure
+        return ratio(self.closure - c, self.closure)
 
     def _known_pressure(self, c: Floats) -> Floats:
         return self.stiffness * c / self._rest(c)
 
     def _known_slope(self, c: Floats) -> Floats:
-        return self.stiffness / self._rest(c) ** 2
+        return ratio(self.stiffness, self._rest(c) ** 2)
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
-        return self.stiffness / (self._rest(deep) * self._rest(shallow))
+        return ratio(self.stiffness, self._rest(deep) * self._rest(shallow))
 
     def _known_energy(self, c: Floats) -> Floats:
-        s = c / self.closure
+        s = ratio(c, self.closure)
         small = c**2 * power_series(_EXCESS, np.minimum(s, 0.05))
         return self.stiffness * np.where(s < 0.05, small, self.closure**2 * (-log_of_rest(s, self._rest(c)) - s))
 

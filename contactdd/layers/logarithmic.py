@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import positive_values
-from .calculus import log_of_rest, power_series, relative_log1p
+from .calculus import log_of_rest, power_series, ratio, relative_log1p
 from .limited import STEEP, LimitedLayer
 
 #: [(1 - s) log(1 - s) + s] / s² = Σ s^k / ((k + 1)(k + 2)), enough of it for s < 0.05.
@@ -50,20 +50,20 @@ class LogarithmicLayer(LimitedLayer):
 
     def _rest(self, c: Floats) -> Floats:
         """1 - c/h, which h - c gives without cancellation."""
-        return (self.thickness - c) / self.thickness
+        return ratio(self.thickness - c, self.thickness)
 
     def _known_pressure(self, c: Floats) -> Floats:
-        return -self.modulus * log_of_rest(c / self.thickness, self._rest(c))
+        return -self.modulus * log_of_rest(ratio(c, self.thickness), self._rest(c))
 
     def _known_slope(self, c: Floats) -> Floats:
-        return self.modulus / (self.thickness - c)
+        return ratio(self.modulus, self.thickness - c)
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
         left = self.thickness - deep
         return self.modulus / left * relative_log1p((deep - shallow) / left)
 
     def _known_energy(self, c: Floats) -> Floats:
-        s, rest = c / self.thickness, self._rest(c)
+        s, rest = ratio(c, self.thickness), self._rest(c)
         small = s**2 * power_series(_EXCESS, np.minimum(s, 0.05))
         return self.modulus * self.thickness * np.where(s < 0.05, small, rest * log_of_rest(s, rest) + s)
 

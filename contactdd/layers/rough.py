@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import positive_values
-from .calculus import TINY, mean_slope, solve_increasing
+from .calculus import TINY, mean_slope, ratio, solve_increasing
 from .limited import LimitedLayer
 
 #: The separation at which the law begins, in σ: the highest summit of 1e15. Less of the force than rounding is above.
@@ -75,19 +75,19 @@ class GreenwoodWilliamsonLayer(LimitedLayer):
         return 4 / 3 * self.modulus * self.density * np.sqrt(self.radius * self.deviation) * self.deviation
 
     def _known_pressure(self, c: Floats) -> Floats:
-        return self._scale * _force(np.asarray(c / self.deviation))
+        return self._scale * _force(ratio(c, self.deviation))
 
     def _known_slope(self, c: Floats) -> Floats:
-        return self._scale / self.deviation * _stiffness(np.asarray(c / self.deviation))
+        return self._scale / self.deviation * _stiffness(ratio(c, self.deviation))
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
-        s, t = deep / self.deviation, shallow / self.deviation
+        s, t = ratio(deep, self.deviation), ratio(shallow, self.deviation)
         far = s - t > _SPAN
         rise = np.divide(_force(s) - _force(t), s - t, out=np.zeros_like(s), where=far)
         return self._scale / self.deviation * np.where(far, rise, mean_slope(_stiffness, t, np.minimum(s - t, _SPAN)))
 
     def _known_energy(self, c: Floats) -> Floats:
-        return self._scale * self.deviation * _work(np.asarray(c / self.deviation))
+        return self._scale * self.deviation * _work(ratio(c, self.deviation))
 
     def _known_depth(self, p: Floats) -> Floats:
         upper = np.broadcast_to(self.compression_limit, p.shape)
@@ -98,7 +98,7 @@ class GreenwoodWilliamsonLayer(LimitedLayer):
 _SPAN = 0.25
 
 
-def _moment(power: int, t: Floats) -> Floats:
+def _moment(power: int, t: float | Floats) -> Floats:
     """∫_t^∞ (s - t)^(power/2) φ(s) ds for odd powers.
 
     With s = t + y² the integrand is even and entire in y: the trapezoidal rule on the whole line is exact to rounding.

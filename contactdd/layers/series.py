@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,10 +84,10 @@ class SeriesLayer(Layer):
         return _in_series(secants)
 
     def _energy(self, c: Floats) -> Floats:
-        return sum(layer._energy(part) for layer, part in self._parts(c))
+        return _total(layer._energy(part) for layer, part in self._parts(c))
 
     def _depth(self, p: Floats) -> Floats:
-        return sum(layer._depth(p) for layer in self.layers)
+        return _total(layer._depth(p) for layer in self.layers)
 
     def _parts(self, c: Floats) -> list[tuple[Layer, Floats]]:
         """Each layer with its part of the compressions."""
@@ -104,8 +105,8 @@ class SeriesLayer(Layer):
         p = np.sqrt(lower) * np.sqrt(upper)
         for _ in range(NEWTON_STEPS):
             parts = [layer._depth(p) for layer in self.layers]
-            total = functools.reduce(np.add, parts)
-            soft = sum(1 / layer._slope(part) for layer, part in zip(self.layers, parts, strict=True))
+            total = _total(parts)
+            soft = _total(1 / layer._slope(part) for layer, part in zip(self.layers, parts, strict=True))
             above = total >= pressed
             lower, upper = np.where(above, lower, p), np.where(above, p, upper)
             better = p * np.exp(np.log(pressed / total) * total / (soft * p))
@@ -126,4 +127,8 @@ NEWTON_STEPS = 60
 def _in_series(stiffnesses: list[Floats]) -> Floats:
     """1 / Σ 1/k."""
     with np.errstate(divide="ignore"):
-        return 1 / sum(1 / stiffness for stiffness in stiffnesses)
+        return 1 / _total(1 / stiffness for stiffness in stiffnesses)
+
+
+def _total(parts: Iterable[Floats]) -> Floats:
+    return functools.reduce(np.add, parts)

@@ -51,7 +51,7 @@ class TableLayer(LimitedLayer):
     compressions: Sequence[float]
     pressures: Sequence[float]
     smooth: bool = True
-    clearance: float = 0.0  # type: ignore[assignment, misc]
+    clearance: float = 0.0
     _knots: Floats = field(init=False, repr=False, compare=False)
     _table: Floats = field(init=False, repr=False, compare=False)
     _pieces: Floats = field(init=False, repr=False, compare=False)
@@ -68,8 +68,8 @@ class TableLayer(LimitedLayer):
                     f"{name} = {values.tolist()}: expected strictly increasing values >= 0; {values[row]:g} comes "
                     f"after {values[row - 1]:g}; cd.TableLayer.from_measurement takes data with plateaus and noise"
                 )
-        object.__setattr__(self, "compressions", tuple(c.tolist()))
-        object.__setattr__(self, "pressures", tuple(p.tolist()))
+        object.__setattr__(self, "compressions", _plain(c))
+        object.__setattr__(self, "pressures", _plain(p))
         object.__setattr__(self, "_knots", c)
         object.__setattr__(self, "_table", p)
         object.__setattr__(self, "_pieces", _cubics(c, p) if self.smooth else _lines(c, p))
@@ -121,7 +121,7 @@ class TableLayer(LimitedLayer):
             )
         origin, after = c[first], slice(first + 1, None)
         c, p = _increasing(c[after] - origin, p[after], rows[after] + 1, allowed)
-        return cls(c.tolist(), p.tolist(), smooth, -float(origin) + 0.0)
+        return cls(_plain(c), _plain(p), smooth, -float(origin) + 0.0)
 
     @classmethod
     def from_csv(
@@ -239,6 +239,11 @@ def _column(name: str, values: ArrayLike) -> Floats:
     if column.ndim != 1 or column.size == 0 or not np.all(np.isfinite(column)):
         raise ValueError(f"{name} = {values!r}: expected a non-empty sequence of finite numbers")
     return column
+
+
+def _plain(column: Floats) -> tuple[float, ...]:
+    """A column as numbers of Python's own."""
+    return tuple(map(float, column))
 
 
 def _with_origin(c: Floats, p: Floats) -> tuple[Floats, Floats]:

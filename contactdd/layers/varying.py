@@ -51,18 +51,31 @@ class VaryingLayer(Layer):
         bound.check(x)
         return bound
 
-    def _nowhere(self, *arguments: Any) -> NoReturn:
+    def _nowhere(self) -> NoReturn:
         raise TypeError(f"{self!r} varies from place to place: expected layer.at(x), the law at points x (dim, n)")
 
-    _pressure = _slope = _secant = _energy = _depth = _nowhere
+    def _pressure(self, c: Floats) -> Floats:
+        self._nowhere()
+
+    def _slope(self, c: Floats) -> Floats:
+        self._nowhere()
+
+    def _secant(self, deep: Floats, shallow: Floats) -> Floats:
+        self._nowhere()
+
+    def _energy(self, c: Floats) -> Floats:
+        self._nowhere()
+
+    def _depth(self, p: Floats) -> Floats:
+        self._nowhere()
 
     @property
     def clearance(self) -> float | Floats:
-        return self._nowhere()
+        self._nowhere()
 
     @property
     def compression_limit(self) -> float | Floats:
-        return self._nowhere()
+        self._nowhere()
 
 
 class LayerAtPoints(Layer):
