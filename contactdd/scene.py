@@ -150,6 +150,26 @@ class Scene:
         replaced = [bodies.get(body.name, body) for body in self.bodies]
         return Scene(replaced, [contact.with_bodies(bodies) for contact in self.contacts], self.ranks.comm)
 
+    def refined(self, cells: Mapping[str, Any] | None = None) -> Scene:
+        """The same scene with finer meshes: the supports, loads and contacts are those of the surfaces' names.
+
+        Args:
+            cells: {body: cells} of the bodies to be refined, as for `Mesh.refined`, None for all cells of a body; by
+                default all cells of all bodies that have a mesh.
+
+        Raises:
+            ValueError: There is no such body, it has no mesh of triangles or tetrahedra, or see `Body.on`.
+        """
+        if cells is None:
+            cells = {body.name: None for body in self.bodies if body.mesh is not None}
+        finer = {}
+        for name, wanted in cells.items():
+            body = self.bodies[self.body_index(name)]
+            if body.mesh is None:
+                raise ValueError(f"body = {name!r}: it has no mesh; expected a body with one")
+            finer[name] = body.on(body.mesh.refined(wanted))
+        return self.with_bodies(finer)
+
     def body_index(self, body: str | Body) -> int:
         """The place of a body in the scene.
 

@@ -130,7 +130,7 @@ class Solution:
         """The displacement (dofs,) of the body of the same name in the elements of another, to go on from (length).
 
         Args:
-            body: A body on the same mesh in elements of any degree, or numbered alike.
+            body: A body on the same mesh, or on one refined from it, in elements of any degree, or numbered alike.
 
         Raises:
             ValueError: The scene has no body of that name.
@@ -139,9 +139,9 @@ class Solution:
         u = self.displacement(own)
         if body.mesh is None or own.mesh is None:
             return u if own.mesh is None else u.x.array
-        if own.mesh is body.mesh and own.degree != body.degree:
-            return body.elements.interpolated(u)
-        return u.x.array
+        same = own.mesh is body.mesh and own.degree == body.degree
+        carried = None if same else body.elements.interpolated(u, own.elements)
+        return u.x.array if carried is None else carried
 
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """The pressure, gap and compression of a contact at its points.

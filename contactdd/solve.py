@@ -97,9 +97,9 @@ def solve(
             ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
         max_iterations: The largest number of iterations; after it the run ends with the status "iteration limit".
         start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution`
-            to go on from, also one in elements of another degree on the same meshes. By default the decomposed methods,
-            and all with a given gamma, start from contacts closed by the mean load, the others from undeformed bodies,
-            of which floating ones are moved until their contacts close.
+            to go on from, also one in elements of another degree or on meshes that the scene's were refined from. By
+            default the decomposed methods, and all with a given gamma, start from contacts closed by the mean load, the
+            others from undeformed bodies, of which floating ones are moved until their contacts close.
         previous: u_n of the iterate before the start (length), for the two-point methods; by default the start itself.
         local_solver: "condensed" (each body is condensed once to the displacements at its contacts, by a Schur
             complement; the default up to a size), "assembled" (each body's full matrix is assembled and factored in
