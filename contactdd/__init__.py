@@ -7,7 +7,7 @@ The way of the data: mesh and material → body → contact → scene → solve 
 
 import warnings
 from importlib import import_module
-from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0"
 
@@ -21,14 +21,16 @@ from .errors import (
     ContactError,
     ContactWarning,
     LargeStrainWarning,
+    LayerRangeWarning,
     LooseBodyError,
     MeshMismatchError,
     NoEquilibriumError,
     NotConvergedError,
 )
 from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
+from .hard_contact import HardContact
 from .history import History, Record
-from .layer import CustomLayer, Layer, LinearLayer, PowerLayer, TableLayer
+from .layer import Layer, LinearLayer, PowerLayer
 from .load import BodyForce, Pressure, Resultant, Traction
 from .local.choose import LOCAL_SOLVERS, register_local_solver
 from .local.dense import DenseSystem
@@ -48,6 +50,30 @@ from .solve import solve
 from .support import Displacement, Fixed, Spring, Symmetry
 from .surface_result import SurfaceResult
 
+if TYPE_CHECKING:
+    from . import reference
+    from .layers.custom import CustomLayer
+    from .layers.exponential import ExponentialLayer, OverclosureLayer
+    from .layers.hyperbolic import HyperbolicLayer
+    from .layers.logarithmic import LogarithmicLayer
+    from .layers.rough import GreenwoodWilliamsonLayer
+    from .layers.series import SeriesLayer
+    from .layers.table import TableLayer
+    from .layers.varying import VaryingLayer
+
+#: Where the layer laws are that most scenes don't use: imported when first asked for.
+_LAWS = {
+    "CustomLayer": "custom",
+    "ExponentialLayer": "exponential",
+    "GreenwoodWilliamsonLayer": "rough",
+    "HyperbolicLayer": "hyperbolic",
+    "LogarithmicLayer": "logarithmic",
+    "OverclosureLayer": "exponential",
+    "SeriesLayer": "series",
+    "TableLayer": "table",
+    "VaryingLayer": "varying",
+}
+
 __all__ = [
     "LOCAL_SOLVERS",
     "SCHEMES",
@@ -64,16 +90,22 @@ __all__ = [
     "CustomLayer",
     "DenseSystem",
     "Displacement",
+    "ExponentialLayer",
     "Fields",
     "Fixed",
+    "GreenwoodWilliamsonLayer",
+    "HardContact",
     "History",
+    "HyperbolicLayer",
     "Isotropic",
     "LargeStrainWarning",
     "Layer",
+    "LayerRangeWarning",
     "LinearLayer",
     "LoadPath",
     "LocalProblem",
     "LocalTask",
+    "LogarithmicLayer",
     "LooseBodyError",
     "Material",
     "Mesh",
@@ -82,6 +114,7 @@ __all__ = [
     "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
+    "OverclosureLayer",
     "Parameter",
     "PowerLayer",
     "Pressure",
@@ -91,6 +124,7 @@ __all__ = [
     "SavedSolution",
     "Scene",
     "Scheme",
+    "SeriesLayer",
     "Solution",
     "Spring",
     "StepFailedError",
@@ -98,6 +132,7 @@ __all__ = [
     "Symmetry",
     "TableLayer",
     "Traction",
+    "VaryingLayer",
     "box",
     "compat",
     "from_dolfinx",
@@ -115,11 +150,18 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> ModuleType | type:
-    """The module `reference`, imported when first asked for: solving needs none of what it imports; and old names."""
+def __getattr__(name: str) -> Any:
+    """The module `reference` or a layer law, imported when first asked for, as solving needs neither; old names."""
     if name == "reference":
         return import_module(".reference", __name__)
+    if name in _LAWS:
+        return getattr(import_module(f".layers.{_LAWS[name]}", __name__), name)
     if name == "Path":
         warnings.warn("cd.Path is now called cd.LoadPath", DeprecationWarning, stacklevel=2)
         return LoadPath
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """The public names, also of what isn't imported yet."""
+    return sorted({*globals(), *__all__})

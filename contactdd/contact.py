@@ -12,6 +12,7 @@ import ufl
 from .base.checks import as_bool, as_count, check_choice, positive
 from .body import Body
 from .field import check_field
+from .hard_contact import HardContact
 from .layer import Layer
 from .meshless import MeshlessBody
 from .parameter import Parameter, ParameterField, current
@@ -23,27 +24,38 @@ Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 
 
 class Contact:
-    """The possible contact zone S_αβ of two bodies.
+    """The possible contact zone S_αβ of two bodies: two named surfaces, the layer between them and the gap.
 
-    first, second: (body, surface name); layer: the law w ↦ σ_n of both surfaces' layers together;
-    gap: d(x) in addition to the distance of the two meshes, negative for an interference: a number, a `Parameter` or a
-    function of the coordinates x (dim, points) of the contact's points, midway between the surfaces where their meshes
-    do not match; measure_gap: whether the distance of the two meshes counts, where they do not match that of the smooth
-    surfaces behind their facets; without it d is `gap` alone; search_distance: how far apart partners may be (length),
-    by default the smaller body's size; quadrature: "gauss", "vertex" or "facet" (see `quadrature`); quadrature_degree:
-    another degree of exactness; name: by default "first–second" by the bodies' names.
+    Args:
+        first, second: (body, surface name), or a body without a mesh.
+        layer: The law w ↦ σ_n of both surfaces' layers together, which begins where the gap is the layer's clearance, 0
+            for most: all gaps of a solution count from there; or `HardContact()` where there is none.
+        gap: d(x) in addition to the distance of the two meshes (length), negative for an interference: a number, a
+            `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway between the
+            surfaces where their meshes do not match.
+        measure_gap: Whether the distance of the two meshes counts, where they do not match that of the smooth surfaces
+            behind their facets; False takes `gap` alone.
+        search_distance: How far apart partners may be (length), by default the smaller body's size.
+        quadrature: Where the law is evaluated: "gauss" (the default) at Gauss points; "mortar" (that of hard contact)
+            at the nodes of one surface, of the softer body or else of the coarser facets; "facet" once per facet;
+            "vertex" at the vertices of facets that match.
+        quadrature_degree: Another degree of exactness than twice the elements' degree.
+        name: By default "first–second" by the bodies' names.
+
+    Raises:
+        TypeError, ValueError: An argument is not what is described here.
     """
 
     def __init__(
         self,
         first: Side,
         second: Side,
-        layer: Layer,
+        layer: Layer | HardContact,
         *,
         gap: Gap = 0.0,
         measure_gap: bool = True,
         search_distance: float | None = None,
-        quadrature: str = "gauss",
+        quadrature: str | None = None,
         quadrature_degree: int | None = None,
         name: str | None = None,
     ) -> None:
@@ -62,11 +74,17 @@ class Contact:
             raise TypeError(f"gap = {gap!r}: expected a number or a function of the coordinates")
         if name is not None and not isinstance(name, str):
             raise TypeError(f"name = {name!r}: expected a text")
-        check_choice("quadrature", quadrature, RULES)
-        if quadrature == "vertex" and bodies[0].kinematics.ring:
+        if quadrature is None:
+            quadrature = "mortar" if isinstance(layer, HardContact) else "gauss"
+        check_choice("quadrature", quadrature, tuple(RULES))
+        if isinstance(layer, HardContact) and not RULES[quadrature].of_nodes:
             raise ValueError(
-                "quadrature = 'vertex' between bodies of revolution: the vertices alone do not integrate 2πr v; "
-                "expected 'gauss' or 'facet'"
+                f"quadrature = {quadrature!r} with a hard contact: its pressure would waver; expected 'mortar'"
+            )
+        if bodies[0].kinematics.ring and not RULES[quadrature].rings:
+            raise ValueError(
+                f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
+                f"expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"
             )
         self.sides = sides
         self.layer = layer
@@ -83,14 +101,45 @@ class Contact:
         return self.search_distance or min(body.mesh.size for body, _ in self.sides if body.mesh is not None)
 
     def resampled(self, degree: int) -> Contact:
-        """The same contact at Gauss points of another degree."""
+        """The same contact at Gauss points of another degree.
+
+        Args:
+            degree: The degree of exactness.
+        """
         other = copy(self)
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
 
-    def with_layer(self, layer: Layer) -> Contact:
-        """The same contact with another layer."""
+    def at(self, x: np.ndarray) -> Contact:
+        """The same contact with the layer that it has at the points x (dim, n); itself, where that doesn't vary."""
+        if isinstance(self.layer, HardContact):
+            return self
+        layer = self.layer.at(x)
+        return self if layer is self.layer else self.with_law(layer)
+
+    def with_layer(self, layer: Layer | HardContact) -> Contact:
+        """The same contact with another layer.
+
+        Args:
+            layer: The new law, or `HardContact()` if the quadrature is "mortar".
+
+        Raises:
+            TypeError, ValueError: It is none, or the quadrature does not suit it.
+        """
         _check_layer(layer)
+        if isinstance(layer, HardContact) and not RULES[self.quadrature].of_nodes:
+            raise ValueError(
+                f"layer = {layer!r} in contact {self.name!r} with quadrature = {self.quadrature!r}: the pressure would "
+                "waver; expected a contact with quadrature='mortar'"
+            )
+        return self.with_law(layer)
+
+    def with_law(self, layer: Layer | HardContact) -> Contact:
+        """The same contact with a layer that fits it.
+
+        Args:
+            layer: The new law, not checked.
+        """
         other = copy(self)
         other.layer = layer
         return other
@@ -118,6 +167,6 @@ def _checked_side(name: str, side: Side) -> tuple[Any, str]:
     return body, surface
 
 
-def _check_layer(layer: Layer) -> None:
-    if not isinstance(layer, Layer):
-        raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
+def _check_layer(layer: Layer | HardContact) -> None:
+    if not isinstance(layer, Layer | HardContact):
+        raise TypeError(f"layer = {layer!r}: expected a layer, such as cd.PowerLayer(B, a), or cd.HardContact()")

@@ -36,6 +36,17 @@ class ContactResult:
         initial_gap: (n,) the gap d before deformation (length).
         corners: (facets, corners, dim) of the first body's contact surface, in order around each facet.
         ring: whether the bodies are bodies of revolution, x[:, 0] the radius.
+        pointwise_pressure: (n,) the law at the points, −g(w), whatever `pressure` is (stress).
+        projected_pressure: (n,) the law's pressure, L²-projected onto the linear functions of the nodes of one surface,
+            that of the softer body or else of the coarser facets (stress). All forces and moments are the same; near
+            the edge of contact it may be a little below zero. With the quadrature "mortar" it is the pressure itself.
+        node_x: (m, dim) the nodes of that surface.
+        nodal_pressure: (m,) the same pressure there; it is linear in between (stress).
+        stiffness_ratio: k h/E, how much stiffer the layer is where it presses than the softer body's facets.
+        wavers: whether the law's pressure wavers from point to point around the right mean, as under a layer much
+            stiffer than the elements on meshes that do not match. `pressure` is the projected one then, and the repr
+            says so.
+        hard: whether there is no layer; `compression` is then the penetration that is left.
     """
 
     x: Floats
@@ -48,6 +59,13 @@ class ContactResult:
     initial_gap: Floats | None = None
     corners: Floats | None = None
     ring: bool = False
+    pointwise_pressure: Floats | None = None
+    projected_pressure: Floats | None = None
+    node_x: Floats | None = None
+    nodal_pressure: Floats | None = None
+    stiffness_ratio: float = 0.0
+    wavers: bool = False
+    hard: bool = False
 
     @property
     def unmatched(self) -> tuple[float, float]:
@@ -57,8 +75,13 @@ class ContactResult:
 
     @property
     def closed(self) -> NDArray[np.bool_]:
-        """Where the layer is compressed, (n,)."""
-        return self.gap < 0.0
+        """Where the layer is compressed, or a hard contact carries pressure, (n,)."""
+        return self.pressure > 0.0 if self.hard else self.gap < 0.0
+
+    @property
+    def penetration(self) -> float:
+        """The largest overlap of the surfaces (length): of a hard contact what is left of it, else of the layer."""
+        return max(0.0, -float(self.gap.min()))
 
     @property
     def force(self) -> float:
@@ -110,7 +133,7 @@ class ContactResult:
         if self.force == 0.0:
             return np.full(self.x.shape[1], np.nan)
         centre = (self.weights * self.pressure) @ self.x / self.force
-        return centre * [0.0, 1.0] if self.ring else centre
+        return centre * np.array([0.0, 1.0]) if self.ring else centre
 
     def moment(self, about: ArrayLike = 0.0) -> float | Floats:
         """The moment −∫ (x − x₀) × n p ds of the contact pressure on the first body about a point.
@@ -139,9 +162,9 @@ class ContactResult:
     def sorted(self) -> ContactResult:
         """The same result, its points in the order of `arc_length`; in space in that of x, y, z."""
         order = np.argsort(self.arc_length, kind="stable") if self.x.shape[1] == 2 else np.lexsort(self.x.T[::-1])
-        initial = None if self.initial_gap is None else self.initial_gap[order]
-        parts = {n: getattr(self, n)[order] for n in ("x", "normal", "weights", "gap", "compression", "pressure")}
-        return replace(self, initial_gap=initial, **parts)
+        names = ("x", "normal", "weights", "gap", "compression", "pressure", "initial_gap", "pointwise_pressure")
+        parts = {name: getattr(self, name) for name in (*names, "projected_pressure")}
+        return replace(self, **{name: part[order] for name, part in parts.items() if part is not None})
 
     @property
     def edge(self) -> Floats:
@@ -150,7 +173,7 @@ class ContactResult:
         Contact that reaches the end of the surface has no edge there.
         """
         ordered = self.sorted()
-        chain, z = self._curve.locate(ordered.x)[1], ordered.gap
+        chain, z = self._curve.locate(ordered.x)[1], ordered._opening
         turns = np.flatnonzero((chain[1:] == chain[:-1]) & ((z[1:] < 0.0) != (z[:-1] < 0.0)))
         part = z[turns] / (z[turns] - z[turns + 1])
         return ordered.x[turns] + part[:, None] * (ordered.x[turns + 1] - ordered.x[turns])
@@ -212,7 +235,28 @@ class ContactResult:
             if area > 0.0
         )
         numbers = f"{len(self.x)} points, peak pressure {self.peak_pressure:.6g}, force {self.force:.6g}"
-        return f"ContactResult({numbers}{alone})"
+        return f"ContactResult({numbers}{alone}{self._note})"
+
+    @property
+    def _note(self) -> str:
+        """What there is to be told of how well the result is known."""
+        if self.hard:
+            return f", penetration {self.penetration:.3g}"
+        if not self.wavers:
+            return ""
+        return (
+            f"; the layer is {self.stiffness_ratio:.3g} times as stiff as the elements on meshes that do not match: "
+            "the pressure is the projected one, as pointwise_pressure wavers; quadrature='mortar' does not"
+        )
+
+    @property
+    def _opening(self) -> Floats:
+        """What changes its sign at the edge of contact: the gap, of a hard contact also the pressure, both to scale."""
+        if not self.hard:
+            return self.gap
+        gap, pressure = np.where(self.closed, 0.0, np.maximum(self.gap, 0.0)), self.pressure
+        tiny = np.finfo(float).tiny
+        return gap / max(float(gap.max()), tiny) - pressure / max(float(pressure.max()), tiny)
 
     @cached_property
     def _curve(self) -> Polyline:
@@ -240,7 +284,7 @@ class ContactResult:
         """Values interpolated along the curve, each of its pieces by itself."""
         place, piece, _ = self._curve.locate(points)
         own, own_piece, _ = self._curve.locate(self.x)
-        found = {name: np.zeros(len(points)) for name in values}
+        found: dict[str, Floats] = {name: np.zeros(len(points)) for name in values}
         for chain in np.unique(piece):
             order = np.flatnonzero(own_piece == chain)
             order = order[np.argsort(own[order], kind="stable")]

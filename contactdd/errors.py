@@ -68,6 +68,10 @@ class CheckpointError(ContactError, ValueError):
     """A checkpoint that is missing, damaged or of another run."""
 
 
+class LayerRangeWarning(ContactWarning):
+    """A solution in which a layer is compressed further than its law is known: beyond a table's end, or to a pole."""
+
+
 class MeshMismatchError(ContactError, ValueError):
     """Two contact surfaces whose facets cannot be paired."""
 

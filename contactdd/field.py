@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeAlias
 
 import basix
 import basix.ufl
@@ -16,13 +16,13 @@ from .base.checks import as_floats, check_vector
 from .parameter import Parameter, ParameterField, current
 
 #: What a user may give for a load or a prescribed displacement.
-Field = (
+Field: TypeAlias = (
     float
     | list[float]
     | tuple[float, ...]
     | np.ndarray
     | Callable[[np.ndarray], Any]
-    | ufl.core.expr.Expr
+    | Any  # UFL's expressions, which have no types
     | Parameter
     | ParameterField
 )

@@ -229,7 +229,7 @@ def _rotation(rotation: ArrayLike | Callable[[Floats], Any], x: Floats) -> Float
     value = as_floats("rotation", given, "an angle or an orthogonal matrix (3, 3)")
     if value.ndim < 2:
         angle = evaluate("rotation", value, x)
-        matrix = np.zeros((len(angle), 3, 3))
+        matrix: Floats = np.zeros((len(angle), 3, 3))
         matrix[:, 0, 0] = matrix[:, 1, 1] = np.cos(angle)
         matrix[:, 1, 0], matrix[:, 0, 1] = np.sin(angle), -np.sin(angle)
         matrix[:, 2, 2] = 1.0

@@ -352,14 +352,14 @@ def _grid(
         )
     if not isinstance(cells, list | tuple | np.ndarray) or len(cells) != dim:
         raise ValueError(f"cells = {cells!r}: expected {dim} entries")
-    return [low, high], [_line(*ends, count) for *ends, count in zip(low, high, cells, strict=True)]
+    return [low, high], [_line(*ends) for ends in zip(low, high, cells, strict=True)]
 
 
 def _line(start: float, end: float, cells: Cells) -> NDArray[np.float64]:
     """Where the cells along one axis end."""
     if np.ndim(cells) == 0:
         count = as_count("cells", cells, "a whole number >= 1, or the coordinates of the cells' ends")
-        return np.linspace(start, end, count + 1)
+        return np.asarray(np.linspace(start, end, count + 1), dtype=float)
     line = as_floats("cells", cells, f"increasing coordinates from {start} to {end}")
     tolerance = 1e-10 * (end - start)
     if (

@@ -197,7 +197,8 @@ def _run(
     options: Mapping[str, Any],
 ) -> LoadPath:
     """The steps of a load programme, up to the first that fails."""
-    path, rows = LoadPath(), {name: [] for name in record}
+    path = LoadPath()
+    rows: dict[str, list[Floats]] = {name: [] for name in record}
     lengths = scene.ranks.gather(len(values))
     if len(set(lengths)) > 1:
         raise ValueError(f"values: their numbers on the ranks are {lengths}; expected the same values on all")

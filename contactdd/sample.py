@@ -8,15 +8,16 @@ import basix
 import numpy as np
 from dolfinx import cpp, fem, geometry
 from dolfinx.plot import vtk_mesh
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats, Indices
 from .base.checks import as_floats
-from .base.facets import facet_type, surface_points
+from .base.facets import FacetPoints, facet_type, surface_points
 from .body import Body
 from .body_result import BodyResult, SurfaceFit
 from .field import evaluate
 from .interface.discretise import Interface, InterfaceSide
+from .interface.nodal import hats
 from .surface_result import SurfaceResult
 
 #: VTK's numbers of the shapes of facets, of degree one and of any.
@@ -74,7 +75,9 @@ def surface_result(
     """The side `place` (0 or 1) of a contact facet by facet, from the values at the interface's points."""
     side = interface.sides[place]
     surface, body = side.surface, side.surface.body
-    points, cells, kind, u = _facet_nodes(body, surface.entities, displacement)
+    points, cells, kind, u, at = _facet_nodes(body, surface.entities, displacement)
+    carries = interface.functions.surface is surface
+    projected = hats(surface, at) @ interface.nodal_field(pressure) if carries else None
     covered = _facet_means(side, np.ones(len(gap)))
     opposite = np.where(covered > 1e-6, covered, np.nan)
 
@@ -90,10 +93,11 @@ def surface_result(
         u,
         surface.facet_areas,
         np.clip(covered, 0.0, 1.0),
-        np.nan_to_num(mean((gap < 0.0).astype(float))),
+        np.nan_to_num(mean((pressure > 0.0 if interface.hard else gap < 0.0).astype(float))),
         _facet_means(side, pressure),
         mean(gap),
         mean(np.minimum(gap, 0.0)),
+        projected,
     )
 
 
@@ -104,18 +108,21 @@ def _facet_means(side: InterfaceSide, values: Floats) -> Floats:
     return weighted.reshape(len(surface.facets), -1).sum(axis=1) / surface.facet_areas
 
 
-def _facet_nodes(body: Body, entities: Indices, displacement: fem.Function) -> tuple[Floats, Indices, int, Floats]:
+def _facet_nodes(
+    body: Body, entities: NDArray[np.int32], displacement: fem.Function
+) -> tuple[Floats, Indices, int, Floats, FacetPoints]:
     """The nodes of facets in the body's degree, each once: x (m, dim), the facets' nodes in VTK's order, VTK's number
-    of their shape, and the displacement (m, dim)."""
+    of their shape, the displacement (m, dim), and the nodes as points of facets."""
     facet, dim = facet_type(body.mesh.domain), body.mesh.dim
-    reference = basix.create_element(basix.ElementFamily.P, facet, body.degree, basix.LagrangeVariant.equispaced).points
+    element = basix.create_element(basix.ElementFamily.P, facet, body.degree, basix.LagrangeVariant.equispaced)
+    reference = np.asarray(element.points)
     at = surface_points(body.mesh.domain, entities, reference)
     u = _tabulated(body, at.cells, at.reference, displacement.x.array.reshape(-1, dim))
     size = float(np.linalg.norm(np.ptp(at.x, axis=0))) / max(len(entities), 1)
     _, first, inverse = np.unique(np.round(at.x / (1e-6 * size)), axis=0, return_index=True, return_inverse=True)
     order = np.argsort(cpp.io.perm_vtk(_dolfinx_facet(body), len(reference)))
     cells = inverse.reshape(len(entities), -1)[:, order]
-    return at.x[first], cells, FACET_TYPES[facet][body.degree > 1], u[first]
+    return at.x[first], cells, FACET_TYPES[facet][body.degree > 1], u[first], at.kept(first)
 
 
 def _dolfinx_facet(body: Body) -> cpp.mesh.CellType:
@@ -123,7 +130,7 @@ def _dolfinx_facet(body: Body) -> cpp.mesh.CellType:
     return cpp.mesh.cell_entity_type(body.mesh.domain.topology.cell_type, body.mesh.dim - 1, 0)
 
 
-def _tabulated(body: Body, cells: Indices, reference: Floats, nodal: Floats) -> Floats:
+def _tabulated(body: Body, cells: NDArray[np.int32], reference: Floats, nodal: Floats) -> Floats:
     """A function of nodal values (nodes, k) at a point (n, dim) of the reference cell in each of n cells, (n, k)."""
     table = body.space.element.basix_element.tabulate(0, reference)[0, :, :, 0]
     return np.einsum("np,npk->nk", table, nodal[body.space.dofmap.list[cells]])

@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -165,7 +165,7 @@ def save(solution: SavedSolution, folder: Path) -> Path:
         "bodies": [_body_told(solution, place, arrays) for place in range(len(solution.bodies))],
         "contacts": [_contact_told(solution, place, name, arrays) for place, name in enumerate(solution.contacts)],
     }
-    _replace(folder / ARRAYS, lambda file: np.savez_compressed(file, **arrays))
+    _replace(folder / ARRAYS, lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
     _replace(folder / DESCRIPTION, lambda file: file.write(json.dumps(description, indent=1).encode()))
     return folder
 
@@ -181,7 +181,7 @@ def _body_told(solution: SavedSolution, place: int, arrays: dict[str, NDArray]) 
 
 def _contact_told(solution: SavedSolution, place: int, name: str, arrays: dict[str, NDArray]) -> dict[str, Any]:
     """The description of one contact; its arrays go into `arrays`."""
-    told = {"name": name, "contact": _taken_apart(solution.contacts[name], f"contact {place}", arrays)}
+    told: dict[str, Any] = {"name": name, "contact": _taken_apart(solution.contacts[name], f"contact {place}", arrays)}
     for side, surface in enumerate(solution.surfaces[name]):
         told[f"surface {side}"] = surface and _taken_apart(surface, f"surface {place} {side}", arrays)
     return told
@@ -256,7 +256,7 @@ def _taken_apart(item: Any, prefix: str, arrays: dict[str, NDArray], skip: str =
 
 def _made(kind: type[T], prefix: str, plain: Mapping[str, Any], arrays: Mapping[str, NDArray], **own: Any) -> T:
     """A dataclass from its plain fields and its arrays."""
-    names = [field.name for field in fields(kind) if field.name not in own]
+    names = [field.name for field in fields(cast(Any, kind)) if field.name not in own]
     given = {name: arrays[f"{prefix} {name}"] for name in names if f"{prefix} {name}" in arrays}
     return kind(**given, **{name: plain[name] for name in names if name in plain and name not in given}, **own)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +14,7 @@ from .base.checks import as_tuple_of, check_choice
 from .base.ranks import Ranks
 from .body import Body
 from .contact import Contact
+from .hard_contact import HardContact
 from .interface.discretise import Interface, discretise
 from .layer import Layer
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
@@ -99,7 +99,7 @@ class Scene:
             solvers = solvers.refreshed()
         self._read, self._interfaces, self._solvers = read, interfaces, solvers
 
-    def with_layer(self, layer: Layer, contact: str | None = None) -> Scene:
+    def with_layer(self, layer: Layer | HardContact, contact: str | None = None) -> Scene:
         """The same scene with another layer in a contact, or in all of them.
 
         Everything that does not depend on the layer is shared: a sweep over layers costs the interfaces only.
@@ -117,8 +117,7 @@ class Scene:
         other = copy(self)
         other.contacts = tuple(c.with_layer(layer) if contact in (None, c.name) else c for c in self.contacts)
         other._interfaces = [
-            replace(interface, contact=interface.contact.with_layer(c.layer))
-            for interface, c in zip(self.interfaces, other.contacts, strict=True)
+            interface.with_layer(c.layer) for interface, c in zip(self.interfaces, other.contacts, strict=True)
         ]
         other._solvers = None if self._solvers is None else self._solvers.shared()
         return other

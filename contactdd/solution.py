@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import replace
@@ -35,6 +36,10 @@ if TYPE_CHECKING:
     from .system.ensemble import Ensemble
     from .system.state import State
     from .view.export import Fields as ExportedFields
+
+
+#: k h/E above which the pressure of points is replaced by the projected one on meshes that do not match.
+STIFF = 10.0
 
 
 class Solution:
@@ -105,24 +110,24 @@ class Solution:
             degree: of Gauss points that it is told at instead of its own.
         """
         index = self._contact_index(contact)
-        interface, gaps = self.interfaces[index], self._state.gaps[index]
+        interface, gaps = self.interfaces[index], self._gaps[index]
+        pressure, gathered = self._pressure(index), interface.gathered
+        ratio = 0.0 if interface.hard else _stiffness_ratio(interface, gaps, pressure)
+        wavers = ratio > STIFF and interface.unlike
         if degree is not None:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
-        stress = interface.contact.layer.contact_stress(gaps)
-        meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
-        return ContactResult(
-            interface.x,
-            interface.normal,
-            interface.weights,
-            gaps,
-            np.minimum(gaps, 0.0),
-            -stress,
-            interface.unmatched,
-            interface.gap,
-            meshed.corners,
-            meshed.body.kinematics.ring,
-        )
+            if gathered is None:
+                pressure = 0.0 - interface.contact.layer.contact_stress(gaps)
+            else:  # a linear field, which the gaps between its nodes tell nothing of
+                pressure = interface.functions.interpolated(gathered @ pressure)
+        return _contact_result(interface, gaps, pressure, ratio, wavers)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the result has to know: where a layer is compressed further than its law is known."""
+        found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
+        return tuple(note for note in found if note)
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
         """Pressure, gap and status of a contact facet by facet.
@@ -135,8 +140,7 @@ class Solution:
             ValueError: for the side of a body without a mesh.
         """
         index = self._contact_index(contact)
-        interface, gaps = self.interfaces[index], self._state.gaps[index]
-        pressure = -interface.contact.layer.contact_stress(gaps)
+        interface, gaps, pressure = self.interfaces[index], self._gaps[index], self._pressure(index)
         body = self._meshed(interface.contact.sides[int(second)][0])
         return sample.surface_result(interface, int(second), gaps, pressure, self.displacement(body))
 
@@ -150,7 +154,7 @@ class Solution:
             ValueError: for a body without a mesh.
         """
         owner = self._meshed(body)
-        contacts = list(zip(self.interfaces, self._state.gaps, strict=True))
+        contacts = list(zip(self.interfaces, self._gaps, strict=True))
         return sample.body_result(owner, self.displacement(owner), self.stress(owner), contacts)
 
     def displacement_at(self, body: str | Body, points: ArrayLike) -> Floats:
@@ -193,13 +197,34 @@ class Solution:
 
     @property
     def layer_energy(self) -> float:
-        """J, the energy of all layers."""
-        return self._ensemble.layer_energy(self._state)
+        """J, the energy of all layers; a hard contact has none."""
+        return self._ensemble.layer_energy(self._state) - self._penalty_energy
 
     @property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
-        return self._ensemble.energy(self._state)
+        return self._ensemble.energy(self._state) - self._penalty_energy
+
+    @property
+    def _penalty_energy(self) -> float:
+        """What the augmented Lagrangian counts as the energy of hard contacts."""
+        contacts = zip(self.interfaces, self._state.gaps, strict=True)
+        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts if i.hard)
+
+    @property
+    def multipliers(self) -> list[Floats]:
+        """The pressures (points,) of every contact if one of them is hard, to go on from; else an empty list."""
+        return [self._pressure(index) for index in range(len(self.interfaces))] if self._state.shifts else []
+
+    @property
+    def _gaps(self) -> list[Floats]:
+        """The deformed gaps z at the points of every interface, of hard contacts too."""
+        gaps, shifts = self._state.gaps, self._state.shifts
+        return [z + s for z, s in zip(gaps, shifts, strict=True)] if shifts else gaps
+
+    def _pressure(self, index: int) -> Floats:
+        """The contact pressure at the points of an interface."""
+        return 0.0 - self.interfaces[index].contact.layer.contact_stress(self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
         """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
@@ -251,7 +276,7 @@ class Solution:
         sums, sizes = [0.0], [0.0]
         for place, body in enumerate(self.scene.bodies):
             forces, resultant = self._nodal_forces(place).values(), self._ensemble.problems[place].dofs.resultant
-            sums.append(float(np.linalg.norm(resultant(sum(forces)))))
+            sums.append(float(np.linalg.norm(resultant(np.sum(list(forces), axis=0)))))
             for force in forces:
                 vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
                 sizes.append(float(np.linalg.norm(vectors, axis=1).sum()))
@@ -419,6 +444,7 @@ class Solution:
         lines = [f"Solution by {self.method!r}: {self.status} ({self.reason})"]
         for contact in self.scene.contacts:
             lines.append(f"  {contact.name}: {self.contact(contact)!r}")
+        lines += [f"  {note}" for note in self.notes]
         lines.append(
             f"  energy F₁ {self.energy:.8g}, weak residual {self.residual:.1e}, imbalance {self.imbalance:.1e}"
         )
@@ -466,10 +492,11 @@ class Solution:
         """u_αn + u_βn at the points of an interface, (points,), from the unknowns alone where they tell it."""
         problems, unknowns = self._ensemble.problems, self._ensemble.split(self._state.unknowns)
         seen = [problems[side.body].seen(unknowns[side.body], side.trace) for side in interface.sides]
-        if any(values is None for values in seen):
+        told = [values for values in seen if values is not None]
+        if len(told) < len(seen):
             # The fields are settled, the unknowns are not: one side from each would differ by the motion taken out.
-            seen = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
-        return sum(seen)
+            told = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
+        return told[0] + told[1]
 
     def _contact_load(self, place: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
@@ -494,6 +521,23 @@ class Solution:
         raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
 
 
+def _passed(interface: Interface, gaps: Floats) -> str:
+    """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
+    contact, limit = interface.contact, interface.contact.layer.compression_limit
+    if limit is math.inf:
+        return ""
+    limit = np.broadcast_to(limit, gaps.shape)
+    beyond = -gaps > limit * (1 + 1e-9)  # at the last point itself rounding tells nothing
+    if not np.any(beyond):
+        return ""
+    worst = int(np.argmax(np.where(beyond, -gaps / limit, 0.0)))
+    share = float(interface.weights @ beyond) / float(interface.weights.sum())
+    return (
+        f"contact {contact.name!r}: on {share:.2g} of its area the layer is compressed further than its law is known, "
+        f"to {-gaps[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
+    )
+
+
 def typed(name: str) -> str:
     """A contact's name as a keyboard has it: the dash between two bodies' names as a hyphen."""
     return name.replace("–", "-")
@@ -502,4 +546,43 @@ def typed(name: str) -> str:
 def _resampled(interface: Interface, degree: int) -> Interface:
     """The same contact at Gauss points of another degree."""
     first, second = interface.sides
-    return discretise(interface.contact.resampled(degree), (first.body, second.body), interface.facets)
+    contact, split = interface.contact.resampled(degree), interface.gathered is not None
+    return discretise(contact, (first.body, second.body), interface.facets, split)
+
+
+def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio: float, wavers: bool) -> ContactResult:
+    """The result at an interface's points; ratio: k h/E of the layer where it presses; wavers: whether its pressure
+    does."""
+    meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
+    if interface.gathered is None:
+        nodal = interface.functions.projected(pressure, interface.weights)
+        node_x, projected = interface.functions.x, interface.functions.at_values @ nodal
+    else:
+        node_x, projected, nodal = interface.x, pressure, pressure
+    return ContactResult(
+        interface.x,
+        interface.normal,
+        interface.weights,
+        gaps,
+        np.minimum(gaps, 0.0),
+        projected if wavers else pressure,
+        interface.unmatched,
+        interface.gap,
+        meshed.corners,
+        meshed.body.kinematics.ring,
+        pressure,
+        projected,
+        node_x,
+        nodal,
+        ratio,
+        wavers,
+        interface.hard,
+    )
+
+
+def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> float:
+    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
+    pressing = pressure > 0.0
+    shares = interface.weights[pressing] * pressure[pressing]
+    stiffness = interface.contact.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
+    return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

@@ -16,8 +16,10 @@ import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
 from .base.ranks import Ranks
-from .errors import ContactWarning, NoEquilibriumError, NotConvergedError
+from .errors import ContactWarning, LayerRangeWarning, NoEquilibriumError, NotConvergedError
+from .hard_contact import HardContact
 from .history import Record
+from .iteration.augmented import AugmentedRun
 from .iteration.checkpoint import CheckpointWriter, read
 from .iteration.interruption import interrupts_agreed
 from .iteration.progress import Progress
@@ -104,8 +106,10 @@ def solve(
         it is there.
     time_limit: seconds after which the run stops with the status "stopped".
 
+    Warns (`LayerRangeWarning`) where a layer is compressed further than its law is known.
+
     Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
-    CheckpointError for a checkpoint that is damaged or of another run.
+    CheckpointError for a checkpoint that is damaged or of another run, ValueError for one of hard contacts.
     """
     ranks = scene.ranks
     scheme = find_scheme(method)
@@ -124,12 +128,18 @@ def solve(
         ends = {"time_limit": time_limit, "on_failure": on_failure, "resume": resume}
         way = {"method": f"{scheme.name}, {scheme.step}", "local_solver": local_solver}
         refuse_differences(scene, way | given | limits | ends)
-    ensemble = Ensemble(scene.local_problems(local_solver), scene.interfaces)
+    hard = any(isinstance(contact.layer, HardContact) for contact in scene.contacts)
+    if hard and file is not None:
+        raise ValueError(f"checkpoint = {checkpoint!r}: hard contacts' multipliers are not kept; expected None")
+    problems, interfaces = scene.local_problems(local_solver), scene.interfaces
+    if hard and scheme.decomposed:
+        interfaces = [interface.decomposed() for interface in interfaces]
+    ensemble = Ensemble(problems, interfaces)
     if resume and ranks.once(file.exists):
         earlier = read(file, ensemble, scheme.name, ranks)
     else:
         earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
-    run = Run(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
+    run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
     keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
     with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
         deadline = time.monotonic() + seconds
@@ -142,6 +152,7 @@ def solve(
         ending = run.iterate(relaxation, rule, observe)
     solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
     _warn_of_facets(solution)
+    _warn_of_notes(solution)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
         if ending.escape is not None:
             raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution, ending.escape.advice)
@@ -158,7 +169,8 @@ def _warn_of_facets(solution: Solution) -> None:
             result = solution.contact(interface.contact.name)
             near = np.flatnonzero((interface.doubt > 0.0) & (result.gap < interface.doubt))
             doubt = float(interface.doubt[near].mean()) if len(near) else 0.0
-            compression = float(-result.compression[near].mean()) if len(near) else 0.0
+            pressed = result.pressure / interface.facet_stiffness if interface.hard else -result.compression
+            compression = float(pressed[near].mean()) if len(near) else 0.0
             if doubt > DOUBTFUL * compression:
                 warnings.warn(
                     f"contact {interface.contact.name!r}: where the surfaces touch or nearly do, their facets do not "
@@ -168,6 +180,13 @@ def _warn_of_facets(solution: Solution) -> None:
                     ContactWarning,
                     stacklevel=3,
                 )
+
+
+def _warn_of_notes(solution: Solution) -> None:
+    """Warn where a layer is compressed further than its law is known."""
+    if solution.converged and solution.scene.ranks.comm.rank == 0:
+        for note in solution.notes:
+            warnings.warn(note, LayerRangeWarning, stacklevel=3)
 
 
 def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> StoppingCriterion:
@@ -228,7 +247,8 @@ def _start(
 ) -> starts.State:
     """The first iterate."""
     if isinstance(start, Solution):
-        return starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
+        state = starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
+        return starts.with_multipliers(state, ensemble, start.multipliers)
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
     # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.

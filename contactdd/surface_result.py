@@ -28,7 +28,7 @@ class SurfaceResult:
         closed: (f,) the part of what is covered where the layer is compressed.
         pressure: (f,) the mean over the facet, so that areas @ pressure is the contact force (stress).
         gap, compression: (f,) the means over what is covered (length); not a number where that is nothing.
-        projected_pressure: (m,) a continuous pressure at the nodes, where the solution has one.
+        projected_pressure: (m,) the `ContactResult.nodal_pressure` at the nodes, on the surface that it belongs to.
     """
 
     name: str

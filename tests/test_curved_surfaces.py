@@ -12,7 +12,7 @@ import contactdd as cd
 from contactdd.interface.discretise import discretise
 from contactdd.interface.smooth import smoothed
 from contactdd.interface.surface import ContactSurface
-from contactdd.quadrature import rule
+from contactdd.quadrature import find_quadrature
 
 E, NU, LAYER, MISFIT = 2.1e5, 0.3, 1e6, 0.0025
 BORE, SEAT, RIM = 10.0, 20.0, 30.0
@@ -313,7 +313,7 @@ def test_a_turned_cylinder_has_the_same_normals_and_patches():
     shapes = []
     for turn in (np.eye(3), rotation):
         body = cd.Body("a", turned(sector(BORE, SEAT, 9, 1, 3), turn), cd.Isotropic(E, NU))
-        surface = ContactSurface(body, "outside", rule("gauss", 1))
+        surface = ContactSurface(body, "outside", find_quadrature("gauss", 1))
         shapes.append(smoothed(surface))
     assert np.abs(shapes[1].slopes - shapes[0].slopes).max() < 1e-9 * SEAT
     assert np.abs(shapes[1].tilt - shapes[0].tilt @ rotation.T).max() < 1e-9

@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from contactdd import CustomLayer, TableLayer
 from contactdd import layer as layer_module
-from contactdd.layer import CustomLayer, LinearLayer, PowerLayer, TableLayer
+from contactdd.layer import LinearLayer, PowerLayer
 
 mpmath.mp.dps = 50
 

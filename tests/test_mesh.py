@@ -12,7 +12,7 @@ from scenes import STEEL, block, groove, stack
 import contactdd as cd
 from contactdd.files import mesh_cache
 from contactdd.interface.surface import ContactSurface
-from contactdd.quadrature import rule
+from contactdd.quadrature import find_quadrature
 
 gmsh = pytest.importorskip("gmsh")
 
@@ -21,7 +21,7 @@ MESHES = Path(__file__).parents[1] / "meshes"
 
 def area(mesh: cd.Mesh, surface: str) -> float:
     body = cd.Body("body", mesh, STEEL)
-    return float(ContactSurface(body, surface, rule("gauss", 3)).weights.sum())
+    return float(ContactSurface(body, surface, find_quadrature("gauss", 3)).weights.sum())
 
 
 # ----------------------------------------------------------------------------------------------------- refusals
@@ -224,7 +224,9 @@ def test_the_mirror_image_of_a_curved_mesh():
     mesh = cd.read_gmsh(MESHES / "cylinder_on_block.geo", body="cylinder", order=2, radius=40, fine=1.0)
     image = mesh.mirrored("y", 0.0)
     for name in mesh.surfaces:
-        original, copy = (ContactSurface(cd.Body("body", m, STEEL), name, rule("gauss", 3)) for m in (mesh, image))
+        original, copy = (
+            ContactSurface(cd.Body("body", m, STEEL), name, find_quadrature("gauss", 3)) for m in (mesh, image)
+        )
         assert np.allclose(copy.weights, original.weights, rtol=1e-12)
         assert np.allclose(copy.points.normal, original.points.normal * [1, -1], rtol=0, atol=1e-12)
 

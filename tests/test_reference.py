@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad, trapezoid
 
-from contactdd.layer import CustomLayer, LinearLayer, PowerLayer
+from contactdd import CustomLayer
+from contactdd.layer import LinearLayer, PowerLayer
 from contactdd.reference import (
     column_stack,
     groove,

@@ -14,7 +14,7 @@ from contactdd.interface.discretise import discretise
 from contactdd.interface.pairing import _nearest
 from contactdd.interface.surface import ContactSurface, Gather
 from contactdd.interface.trace import normal_trace
-from contactdd.quadrature import rule
+from contactdd.quadrature import find_quadrature
 
 MESHES = Path(__file__).parents[1] / "meshes"
 STEEL = cd.Isotropic(2.1e5, 0.3)
@@ -38,7 +38,7 @@ def bent(shape: str) -> cd.Mesh:
 def test_divergence_theorem(shape):
     """∮ n da = 0 and ∮ x n da = V on every cell shape, and the normals point outwards."""
     mesh = bent(shape)
-    side = ContactSurface(cd.Body("body", mesh, STEEL), "boundary", rule("gauss", 1, 6))
+    side = ContactSurface(cd.Body("body", mesh, STEEL), "boundary", find_quadrature("gauss", 1, 6))
     x, forces = side.points.x, side.points.normal * side.areas[:, None]
     assert np.linalg.norm(side.points.normal, axis=1) == pytest.approx(1.0, rel=1e-14)
     assert np.abs(forces.sum(axis=0)).max() < 1e-13
@@ -51,7 +51,7 @@ def test_divergence_theorem(shape):
 @pytest.mark.parametrize("shape", KINDS)
 def test_corners_are_around_the_points(shape):
     """A facet's middle is the mean of its corners, which come in order: neighbours share an edge."""
-    side = ContactSurface(cd.Body("body", bent(shape), STEEL), "boundary", rule("gauss", 1))
+    side = ContactSurface(cd.Body("body", bent(shape), STEEL), "boundary", find_quadrature("gauss", 1))
     assert side.corners.mean(axis=1) == pytest.approx(side.middles.x, abs=1e-14)
     edges = np.roll(side.corners, -1, axis=1) - side.corners
     assert np.abs(edges.sum(axis=1)).max() < 1e-14
@@ -64,7 +64,7 @@ def test_corners_are_around_the_points(shape):
 def test_trace_of_a_linear_displacement(shape, degree):
     """u = F x is in every space: its normal displacement is n·F x at any point."""
     body = cd.Body("body", bent(shape), STEEL, degree=degree)
-    side = ContactSurface(body, "boundary", rule("gauss", degree))
+    side = ContactSurface(body, "boundary", find_quadrature("gauss", degree))
     gradient = np.arange(1.0, 1.0 + body.mesh.dim**2).reshape(body.mesh.dim, -1)
     u = (body.space.tabulate_dof_coordinates()[:, : body.mesh.dim] @ gradient.T).ravel()
     expected = np.sum((side.points.x @ gradient.T) * side.points.normal, axis=1)
@@ -76,7 +76,7 @@ def test_a_surface_is_its_points(shape):
     """What is tabulated once for all facets agrees with the same points given one by one, on curved cells too."""
     mesh = cd.read_gmsh(MESHES / "groove.geo", order=2) if shape == "curved" else bent(shape)
     name = "top" if shape == "curved" else "boundary"
-    side = ContactSurface(cd.Body("body", mesh, STEEL, degree=3), name, rule("gauss", 3))
+    side = ContactSurface(cd.Body("body", mesh, STEEL, degree=3), name, find_quadrature("gauss", 3))
     rule_points, _ = side.rule.points(facet_type(mesh.domain))
     entities = np.repeat(side.entities, len(rule_points), axis=0)
     points = facet_points(mesh.domain, entities, np.tile(rule_points, (len(side.entities), 1)))
@@ -88,7 +88,7 @@ def test_a_surface_is_its_points(shape):
 def test_only_the_nodes_that_are_seen_count():
     """Along a flat surface the trace touches one component of the surface's own nodes."""
     body = cd.Body("body", cd.rectangle((0, 0), (3, 1), (3, 2), shape="quadrilateral"), STEEL, degree=3)
-    side = ContactSurface(body, "top", rule("gauss", 3))
+    side = ContactSurface(body, "top", find_quadrature("gauss", 3))
     dofs = np.unique(side.trace.indices)
     assert len(dofs) == 3 * 3 + 1
     assert np.all(dofs % 2 == 1)
@@ -99,7 +99,7 @@ def test_only_the_nodes_that_are_seen_count():
 def test_spread_and_average(name):
     """The mean of what is spread is what it was, in any order; as an operator it is a matrix of zeros and ones."""
     body = cd.Body("body", cd.box((0, 0, 0), (1, 1, 1), (2, 2, 2)), STEEL)
-    side = ContactSurface(body, "top", rule(name, 1))
+    side = ContactSurface(body, "top", find_quadrature(name, 1))
     values = np.random.default_rng(1).random(len(side.value_weights))
     order = np.random.default_rng(2).permutation(len(values))
     assert side.mean(side.spread() @ values) == pytest.approx(values)

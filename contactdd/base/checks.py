@@ -17,12 +17,24 @@ def positive(name: str, value: Any) -> float:
     return number
 
 
+def positive_values(name: str, value: Any) -> Any:
+    """`value` as a float, or as an array of floats where it is one, refused unless all are finite and above zero."""
+    if not isinstance(value, np.ndarray) or value.ndim == 0:
+        return positive(name, value if not isinstance(value, np.ndarray) else value.item())
+    numbers = as_floats(name, value, "numbers > 0")
+    wrong = ~(np.isfinite(numbers) & (numbers > 0.0))
+    if np.any(wrong):
+        raise ValueError(f"{name}: {numbers[wrong].flat[0]:g} at a point; expected numbers > 0")
+    return numbers
+
+
 def finite(name: str, value: Any) -> float:
     """`value` as a float, refused unless it is a finite number."""
+    scalar: Any = value
     if isinstance(value, (bool, str)) or not np.isscalar(value):
         raise TypeError(f"{name} = {value!r}: expected a number")
     try:
-        number = float(value)
+        number = float(scalar)
     except (TypeError, ValueError):
         raise TypeError(f"{name} = {value!r}: expected a number") from None
     if not np.isfinite(number):
@@ -34,9 +46,10 @@ def as_count(name: str, value: Any, expected: str = "a whole number >= 1") -> in
     """`value` as an int, refused unless it is a whole number above zero."""
     if isinstance(value, bool) or not isinstance(value, Real):
         raise TypeError(f"{name} = {value!r}: expected {expected}")
-    if not 1 <= value < np.inf or int(value) != value:
+    number = float(value)
+    if not 1 <= number < np.inf or int(number) != number:
         raise ValueError(f"{name} = {value!r}: expected {expected}")
-    return int(value)
+    return int(number)
 
 
 def as_bool(name: str, value: Any) -> bool:

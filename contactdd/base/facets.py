@@ -6,7 +6,7 @@ points of any boundary facets: every element, degree and dimension by the same l
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
 
@@ -33,6 +33,10 @@ class FacetPoints:
     x: Floats
     normal: Floats
     area: Floats
+
+    def kept(self, places: NDArray[np.intp]) -> FacetPoints:
+        """Some of the points."""
+        return FacetPoints(*(getattr(self, field.name)[places] for field in fields(self)))
 
     def turned(self, isometry: Isometry) -> FacetPoints:
         """The same points on a copy of the mesh."""
@@ -163,4 +167,4 @@ def _across(tangents: Floats) -> Floats:
     """The vectors across dim − 1 tangents (n, dim − 1, dim), as long as the area that these span, (n, dim)."""
     if tangents.shape[1] == 1:
         return tangents[:, 0, ::-1] * np.array([1.0, -1.0])
-    return np.cross(tangents[:, 0], tangents[:, 1])
+    return np.asarray(np.cross(tangents[:, 0], tangents[:, 1]), dtype=float)

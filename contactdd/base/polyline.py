@@ -71,8 +71,8 @@ def polyline(segments: Floats) -> Polyline:
 def _chains(pairs: Indices, x: Floats) -> list[list[tuple[int, int]]]:
     """The connected pieces, each a list of (start, end) nodes along it."""
     touching: dict[int, list[int]] = {}
-    for segment, pair in enumerate(pairs.tolist()):
-        for node in pair:
+    for segment, pair in enumerate(pairs):
+        for node in map(int, pair):
             touching.setdefault(node, []).append(segment)
     by_place = sorted(touching, key=lambda node: tuple(x[node]))
     free = [node for node in by_place if len(touching[node]) == 1]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,12 @@ from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
-from ..quadrature import Rule, rule
-from .pairing import PointPairs, matching, matching_on, pair_by_segments
+from ..hard_contact import AugmentedLayer, HardContact, augmented_layer
+from ..layer import Layer
+from ..meshless import MeshlessBody
+from ..quadrature import Quadrature, find_quadrature
+from .nodal import LinearFunctions, hats, node_coordinates, side_of_nodes
+from .pairing import Matching, PointPairs, matching, matching_on, pair_by_segments
 from .smooth import smooth_places
 from .surface import ContactSurface, Gather, PointSurface
 from .trace import normal_trace
@@ -54,12 +59,14 @@ class PrescribedGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's; normal:
-    (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found from the meshes; shape: (n,)
-    that which is given, and how: given; sides: both bodies; unmatched: the area of either surface that has no partner;
-    facets: on meshes that match, the second surface's opposite each of the first's; doubt: (n,) by how much `measured`
-    may be off where the facets do not tell what surface is meant, None if they do. Contact integrals are sums over the
-    points: J = Σ weights ∫₀^z g⁻.
+    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's, or the
+    nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found
+    from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal: makes the linear
+    functions of one surface's nodes; unmatched: the area of either surface that has no partner; facets: on meshes that
+    match, the second surface's opposite each of the first's; gathered: (nodes, n) which point's value each node of a
+    surface takes, None where the points are no nodes; doubt: (n,) by how much `measured` may be off where the facets do
+    not tell what surface is meant, None if they do. The contact's layer is always a law; a hard contact has its
+    `AugmentedLayer`. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -70,18 +77,70 @@ class Interface:
     shape: Floats
     given: PrescribedGap
     sides: tuple[InterfaceSide, InterfaceSide]
+    nodal: Callable[[], LinearFunctions]
     unmatched: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
+    gathered: scipy.sparse.csr_matrix | None = None
     doubt: Floats | None = None
+
+    def __post_init__(self) -> None:
+        # However the interface came about: its layer is the one at its points. One that varies nowhere is itself.
+        object.__setattr__(self, "contact", self.contact.at(self.x.T))
+
+    @cached_property
+    def functions(self) -> LinearFunctions:
+        """The linear functions of the nodes of one surface."""
+        return self.nodal()
+
+    def nodal_field(self, pressure: Floats) -> Floats:
+        """A pressure at the points, L²-projected onto the linear functions: its values at all nodes of their surface.
+
+        Zero where the contact does not reach.
+        """
+        if self.gathered is not None:
+            return self.gathered @ pressure
+        return self.functions.everywhere(self.functions.projected(pressure, self.weights))
+
+    @cached_property
+    def facet_stiffness(self) -> float:
+        """E/h of the softer body's facets, the stiffness of a layer that is as stiff as they are."""
+        return min(float(np.median(stiffnesses)) for stiffnesses in self._facet_stiffnesses)
+
+    @property
+    def _facet_stiffnesses(self) -> list[Floats]:
+        """E/h of the facets of both surfaces that have a mesh."""
+        meshed = [side.surface for side in self.sides if isinstance(side.surface, ContactSurface)]
+        return [surface.moduli / surface.facet_sizes for surface in meshed]
+
+    @property
+    def unlike(self) -> bool:
+        """Whether a law meets two meshes that do not match at points or segments, not at nodes."""
+        meshed = all(isinstance(side.surface, ContactSurface) for side in self.sides)
+        return self.facets is None and self.gathered is None and meshed
 
     @cached_property
     def gap(self) -> Floats:
-        """d at the points, (n,)."""
-        return self.measured + self.shape
+        """d at the points, (n,), counted from where the layer begins."""
+        return self.measured + self.shape - self.contact.layer.clearance
 
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
-        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap))
+        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap)).with_layer(contact.layer)
+
+    def with_layer(self, layer: Layer | HardContact) -> Interface:
+        """The same interface with the law of another layer."""
+        if isinstance(layer, HardContact):
+            layer = augmented_layer(layer, min(float(each.max()) for each in self._facet_stiffnesses))
+        return replace(self, contact=self.contact.with_law(layer))
+
+    def decomposed(self) -> Interface:
+        """The same interface for decomposed methods, which solve hard contacts more softly."""
+        return self.with_layer(self.contact.layer.decomposed()) if self.hard else self
+
+    @property
+    def hard(self) -> bool:
+        """Whether the contact has no layer."""
+        return isinstance(self.contact.layer, AugmentedLayer)
 
 
 def without_rounding(distance: Floats, size: float) -> Floats:
@@ -92,16 +151,27 @@ def without_rounding(distance: Floats, size: float) -> Floats:
     return np.where(np.abs(distance) <= 1e-13 * size, 0.0, distance)
 
 
-def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None) -> Interface:
+def discretise(
+    contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None, split: bool = False
+) -> Interface:
     """The interface of a contact between the bodies at the given places of a scene.
 
-    facets: the second surface's opposite each of the first's, where they are known to match.
+    facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
+    split into segments even where they match.
     """
+    interface = _discretised(contact, bodies, facets, split)
+    return interface.with_layer(contact.layer) if isinstance(contact.layer, HardContact) else interface
+
+
+def _discretised(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None, split: bool) -> Interface:
+    """The interface with the layer that the contact has."""
     degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
-    quadrature = rule(contact.quadrature, degree, contact.quadrature_degree)
+    quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     if any(body.mesh is None for body, _ in contact.sides):
         return _opposite_meshless(contact, bodies, quadrature)
     first, second = _surfaces(contact, quadrature)
+    if split or quadrature.of_nodes:
+        return _on_segments(contact, bodies, first, second)
     matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
     if matched is None:
         return _on_segments(contact, bodies, first, second)
@@ -116,20 +186,30 @@ def discretise(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.int
             bodies[1], second, matched.in_order(second.mean(second.trace).tocsr()), second.spread(matched.places)
         ),
     )
-    facets = matched.facets
-    return Interface(contact.frozen(), x, normal, first.value_weights, measured, shape, given, sides, facets=facets)
+    return Interface(
+        contact.frozen(),
+        x,
+        normal,
+        first.value_weights,
+        measured,
+        shape,
+        given,
+        sides,
+        lambda: _linear_functions(first, second, matched),
+        facets=matched.facets,
+    )
 
 
-def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Rule) -> Interface:
-    """The interface between a meshed surface and a body without a mesh, at the points of the meshed one."""
+def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Quadrature) -> Interface:
+    """The interface between a meshed surface and a body without a mesh, at the points or nodes of the meshed one."""
     meshed = next(i for i, (body, _) in enumerate(contact.sides) if body.mesh is not None)
     (body, surface), (partner, _) = contact.sides[meshed], contact.sides[1 - meshed]
     own = ContactSurface(body, surface, quadrature)
+    if quadrature.of_nodes:
+        return _nodes_opposite_meshless(contact, bodies, own, partner, meshed)
     x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
-    trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
     places = smooth_places(own)
-    distance = _checked("gap", partner.gap(own.mean(places), normal), len(x), 1)
-    measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
+    trace, measured = _seen_meshless(contact, partner, x, own.mean(places), normal)
     given = PrescribedGap(places, own.average)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
@@ -137,8 +217,61 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Ru
         InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
     ]
     first, second = sides if meshed == 0 else reversed(sides)
-    outward = normal if meshed == 0 else -normal
-    return Interface(contact.frozen(), x, outward, weights, measured, given.at(contact.gap), given, (first, second))
+    return Interface(
+        contact.frozen(),
+        x,
+        normal if meshed == 0 else -normal,
+        weights,
+        measured,
+        given.at(contact.gap),
+        given,
+        (first, second),
+        lambda: LinearFunctions(own, own.points, own.weights, own.average),
+    )
+
+
+def _nodes_opposite_meshless(
+    contact: Contact, bodies: tuple[int, int], own: ContactSurface, partner: MeshlessBody, meshed: int
+) -> Interface:
+    """The same with the values at the nodes of the meshed surface."""
+    facets = np.repeat(np.arange(len(own.facets)), own.per_facet)
+    sampling = own.rule.sampling(own.weights, facets, lambda: hats(own, own.points))
+    values = sampling.mean
+    places = smooth_places(own)
+    trace, measured = _seen_meshless(contact, partner, own.points.x, places, own.points.normal)
+    normal = values @ own.points.normal
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    given = PrescribedGap(places, values)
+    weights, trace = sampling.weights, (values @ trace).tocsr()
+    points = Gather(np.arange(len(weights)), len(weights))
+    means = _facet_means(own, facets, own.weights, sampling.spread)
+    sides = [
+        InterfaceSide(bodies[meshed], own, (values @ own.trace).tocsr(), means),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+    ]
+    first, second = sides if meshed == 0 else reversed(sides)
+    return Interface(
+        contact.frozen(),
+        node_coordinates(own)[sampling.nodes],
+        normal if meshed == 0 else -normal,
+        weights,
+        values @ measured,
+        given.at(contact.gap),
+        given,
+        (first, second),
+        lambda: LinearFunctions(own, own.points, own.weights, values),
+        gathered=sampling.gathered,
+    )
+
+
+def _seen_meshless(
+    contact: Contact, partner: MeshlessBody, x: Floats, places: Floats, normal: Floats
+) -> tuple[scipy.sparse.csr_matrix, Floats]:
+    """The normal displacement of a body without a mesh at points x, as an operator on its unknowns, and its distance
+    from the places on the smooth surface."""
+    trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
+    distance = _checked("gap", partner.gap(places, normal), len(x), 1)
+    return trace, contact.measure_gap * without_rounding(distance, np.abs(x).max())
 
 
 def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
@@ -149,7 +282,7 @@ def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
     return array
 
 
-def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, ContactSurface]:
+def _surfaces(contact: Contact, quadrature: Quadrature) -> tuple[ContactSurface, ContactSurface]:
     """Both surfaces; where they are the same one of copies of a mesh, the second follows from the first."""
     (body, surface), (other, opposite) = contact.sides
     first = ContactSurface(body, surface, quadrature)
@@ -161,19 +294,20 @@ def _surfaces(contact: Contact, quadrature: Rule) -> tuple[ContactSurface, Conta
 
 
 def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurface, second: ContactSurface) -> Interface:
-    """The interface between meshes that do not match; the rule "facet" takes one value per segment."""
-    if contact.quadrature == "vertex":
+    """The interface on the segments of both surfaces, as between meshes that do not match."""
+    surfaces, rule = (first, second), first.rule
+    if not rule.splits:
         raise MeshMismatchError(
-            f"contact {contact.name!r}: quadrature = 'vertex' needs meshes that match along the contact; "
-            "expected 'gauss' or 'facet'"
+            f"contact {contact.name!r}: quadrature = {rule.name!r} needs meshes that match along the contact; "
+            "expected 'gauss', 'facet' or 'mortar'"
         )
     partners = pair_by_segments(contact, first, second)
-    if contact.quadrature == "facet":
-        values, weights = partners.mean(), np.bincount(partners.segment, partners.weights)
-        member = np.unique(partners.segment, return_index=True)[1]
-    else:
-        values, weights = scipy.sparse.eye(len(partners.weights), format="csr"), partners.weights
-        member = np.arange(len(weights))
+    nodal = cache(lambda: side_of_nodes(surfaces, partners.facets))
+    sampling = rule.sampling(
+        partners.weights, partners.segment, lambda: hats(surfaces[nodal()], partners.points[nodal()])
+    )
+    values = sampling.mean
+    x = partners.places[0]
     normal = values @ partners.normal
     given = PrescribedGap(partners.middle, values)
     shape = given.at(contact.gap)
@@ -182,21 +316,23 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
             bodies[place],
             surface,
             (values @ _trace(surface, partners, place, sign)).tocsr(),
-            _facet_means(surface, partners.facets[place][member], weights),
+            _facet_means(surface, partners.facets[place], partners.weights, sampling.spread),
         )
         for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
     )
-    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate((first, second)))
+    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate(surfaces))
     return Interface(
         contact.frozen(),
-        values @ partners.places[0],
+        values @ x if sampling.nodes is None else node_coordinates(surfaces[nodal()])[sampling.nodes],
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
-        weights,
-        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(partners.places[0]).max())),
+        sampling.weights,
+        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(x).max())),
         shape,
         given,
         (sides[0], sides[1]),
+        lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
         (unmatched[0], unmatched[1]),
+        gathered=sampling.gathered,
         doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
 
@@ -209,15 +345,29 @@ def _trace(surface: ContactSurface, partners: PointPairs, place: int, sign: floa
     return trace if stretch is None else trace + stretch
 
 
-def _facet_means(surface: ContactSurface, owner: NDArray[np.intp], weights: Floats) -> scipy.sparse.csr_matrix:
-    """From the values at an interface, `owner` their facets, to a body's own integration points: the facets' means.
+def _linear_functions(first: ContactSurface, second: ContactSurface, matched: Matching) -> LinearFunctions:
+    """The linear functions of one surface's nodes on meshes that match."""
+    if side_of_nodes((first, second), (np.arange(len(first.facets)), matched.facets)) == 0:
+        return LinearFunctions(first, first.points, first.weights, first.average)
+    mean = scipy.sparse.eye(len(second.weights), format="csr") if second.average is None else second.average
+    return LinearFunctions(second, second.points, second.weights, matched.in_order(mean))
 
-    A facet that is only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
+
+def _facet_means(
+    surface: ContactSurface, owner: NDArray[np.intp], weights: Floats, spread: scipy.sparse.csr_matrix
+) -> scipy.sparse.csr_matrix:
+    """From the values at an interface to a body's own integration points: the facets' means.
+
+    owner, weights: the facets and areas of the interface's points; spread: from the values to these. A facet that is
+    only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
     """
     count = len(surface.facets)
-    shares = (weights / surface.facet_areas[owner], (owner, np.arange(len(owner))))
-    means = scipy.sparse.csr_matrix(shares, shape=(count, len(owner)))
-    return means[np.repeat(np.arange(count), surface.per_facet)]
+    total = (
+        scipy.sparse.csr_matrix((weights, (owner, np.arange(len(owner)))), shape=(count, len(owner))) @ spread
+    ).tocsr()
+    total.sort_indices()
+    total.data /= np.repeat(surface.facet_areas, np.diff(total.indptr))
+    return total[np.repeat(np.arange(count), surface.per_facet)]
 
 
 def _unmatched(surface: ContactSurface, partners: PointPairs, place: int) -> float:

@@ -5,7 +5,8 @@ with the same weights: action equals reaction, in force and in moment, and nothi
 
 The law holds at every point of every segment, so a layer much stiffer than the facets (its stiffness times their size
 over E above about 10) asks for more than linear elements can give: the pressure then wavers from point to point around
-the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer than degree 1 with the same error.
+the right mean. On the NAFEMS cylinder degree 2 stood a layer ten times stiffer than degree 1 with the same error. The
+result then gives the projected pressure; the quadrature "mortar" asks at the nodes of one surface only (`nodal`).
 """
 
 from __future__ import annotations
@@ -67,13 +68,6 @@ class PointPairs:
         """Midway between the smooth surfaces, (n, dim)."""
         return 0.5 * (self.places[0] + self.places[1])
 
-    def mean(self) -> scipy.sparse.csr_matrix:
-        """From the points to the segments: the mean over each."""
-        count = int(self.segment.max()) + 1
-        total = np.bincount(self.segment, self.weights, count)
-        rows = (self.weights / total[self.segment], (self.segment, np.arange(len(self.segment))))
-        return scipy.sparse.csr_matrix(rows, shape=(count, len(self.segment)))
-
     def covered(self, side: int, count: int) -> Floats:
         """How much of each of the side's `count` facets has a partner, in the facet's own area."""
         slope = np.abs(dot(self.points[side].normal, self.normal))
@@ -113,7 +107,7 @@ def matching_on(first: ContactSurface, second: ContactSurface, facets: Indices) 
 
     facets: the second surface's opposite each of the first's.
     """
-    if first.rule.name == "facet":
+    if first.per_value == first.per_facet:  # one value on each facet
         return Matching(facets, facets)
     dim, n = first.body.mesh.dim, len(first.facets)
     if np.array_equal(facets, np.arange(n)) and _in_order(first, second, np.inf):

@@ -43,10 +43,8 @@ def _value_dofs(surface: ContactSurface, space: fem.FunctionSpace, parents: NDAr
     """
     cells = np.argsort(parents)  # the surface's facets are sorted
     dofs = space.dofmap.list[cells]
-    if surface.rule.name == "facet":
-        return dofs[:, 0]
     dim = surface.body.mesh.dim
     there = space.tabulate_dof_coordinates()[dofs][:, :, :dim]
-    here = surface.points.x.reshape(len(cells), -1, dim)
+    here = surface.mean(surface.points.x).reshape(len(cells), -1, dim)
     nearest = np.argmin(np.linalg.norm(here[:, :, None] - there[:, None], axis=-1), axis=2)
     return np.take_along_axis(dofs, nearest, axis=1).ravel()

@@ -16,7 +16,7 @@ from ..base.arrays import Floats
 from ..base.facets import FacetPoints, facet_corners, facet_type, surface_points
 from ..base.isometry import Isometry
 from ..body import Body
-from ..quadrature import Rule
+from ..quadrature import Quadrature
 from .trace import surface_trace
 
 
@@ -24,17 +24,18 @@ class ContactSurface:
     """One body's side of a contact: its facets, and its normal displacement at the points of the quadrature rule.
 
     `integration points` are those at which ∫ φ u_n v_n is evaluated, facet by facet; `values` are the places where
-    the law is: the same points or, for the rule "facet", the facets. points: the n integration points, per_facet on
-    each facet; areas: (n,) what each stands for on the mesh; weights: (n,) in the body, the full ring of a body of
-    revolution; trace: (n, dofs) from the displacement to u_n there.
+    φ is given: the same points or, for the rule "facet", the facets. points: the n integration points, per_facet on
+    each facet and per_value for each value; areas: (n,) what each stands for on the mesh; weights: (n,) in the body,
+    the full ring of a body of revolution; trace: (n, dofs) from the displacement to u_n there.
     """
 
-    def __init__(self, body: Body, surface: str, quadrature: Rule) -> None:
+    def __init__(self, body: Body, surface: str, quadrature: Quadrature) -> None:
         self.body, self.surface, self.rule = body, surface, quadrature
         self.facets = body.mesh.facets(surface)
         self.entities = body.mesh.entities(surface)
         points, weights = quadrature.points(facet_type(body.mesh.domain))
         self.per_facet = len(points)
+        self.per_value = quadrature.points_per_value(len(points))
         self.points = surface_points(body.mesh.domain, self.entities, points)
         self.areas = (self.points.area.reshape(-1, len(points)) * weights).ravel()
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
@@ -52,22 +53,21 @@ class ContactSurface:
 
     def spread(self, order: NDArray[np.intp] | None = None) -> Gather:
         """To the integration points from the values, or from values whose `order` tells where each of these stands."""
-        per_value = self.per_facet if self.rule.name == "facet" else 1
-        values = np.arange(len(self.weights)) // per_value
-        return Gather(values if order is None else order[values], len(values) // per_value)
+        values = np.arange(len(self.weights)) // self.per_value
+        return Gather(values if order is None else order[values], len(values) // self.per_value)
 
     @cached_property
     def value_weights(self) -> Floats:
         """The area that belongs to each value."""
-        return self.facet_areas if self.rule.name == "facet" else self.weights
+        return self.weights.reshape(-1, self.per_value).sum(axis=1)
 
     @cached_property
     def average(self) -> scipy.sparse.csr_matrix | None:
         """From the integration points to the values: the mean over what belongs to each; None where they are one."""
-        if self.rule.name != "facet":
+        if self.per_value == 1:
             return None
-        parts = (self.weights.reshape(-1, self.per_facet) / self.value_weights[:, None]).ravel()
-        ends = np.arange(0, len(parts) + 1, self.per_facet)
+        parts = (self.weights.reshape(-1, self.per_value) / self.value_weights[:, None]).ravel()
+        ends = np.arange(0, len(parts) + 1, self.per_value)
         return scipy.sparse.csr_matrix((parts, np.arange(len(parts)), ends), shape=(len(ends) - 1, len(parts)))
 
     def mean(self, rows: Any) -> Any:
@@ -78,6 +78,20 @@ class ContactSurface:
     def facet_areas(self) -> Floats:
         """The area of each facet."""
         return self.weights.reshape(len(self.facets), -1).sum(axis=1)
+
+    @cached_property
+    def facet_sizes(self) -> Floats:
+        """How long each facet is, the root of its area in space, (facets,)."""
+        areas = self.areas.reshape(len(self.facets), -1).sum(axis=1)
+        return areas if self.body.mesh.dim == 2 else np.sqrt(areas)
+
+    @cached_property
+    def moduli(self) -> Floats:
+        """Young's modulus of the body at each facet, the least of its directions, (facets,)."""
+        x = np.zeros((3, len(self.facets)))
+        x[: self.body.mesh.dim] = self.middles.x.T
+        compliance = np.linalg.inv(self.body.material.stiffness(x))
+        return np.broadcast_to(1.0 / compliance[..., range(3), range(3)].max(axis=-1), len(self.facets))
 
     @cached_property
     def corners(self) -> Floats:

@@ -29,7 +29,8 @@ def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], 
     rhs = -(ensemble.closing.T @ (weights * own))
     if not np.any(rhs):
         return float(own @ weights)  # open, or nothing that could move
-    step, y, left, before = find_step(SCHEMES["auto"], ensemble, ranks), np.zeros(len(rhs)), rhs, np.inf
+    step, left, before = find_step(SCHEMES["auto"], ensemble, ranks), rhs, np.inf
+    y: Floats = np.zeros(len(rhs))
     # A direct solve is exact at once, Krylov's method comes closer until rounding ends that.
     while SOLVED * norm(rhs) < norm(left) < 0.5 * before:
         before = norm(left)

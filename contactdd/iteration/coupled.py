@@ -31,7 +31,7 @@ class CoupledSystem:
 
     def _solve_dense(self, weights: Floats, rhs: Floats, fixed: NDArray[np.intp]) -> Floats:
         # BLAS and LAPACK count by columns and need one triangle only.
-        matrix = self._ensemble.stiffness.copy().T
+        matrix = np.array(self._ensemble.stiffness).T
         closing = self._ensemble.closing
         if isinstance(closing, np.ndarray):
             root = np.sqrt(weights)[:, None] * closing

@@ -132,7 +132,7 @@ def deflated_conjugate_gradients(
         if curvature <= 0.0:  # nothing but rounding is left
             break
         length = square / curvature
-        gains.append(length * square)
+        gains.append(float(length * square))
         energy += gains[-1]
         solution += length * direction
         residual -= length * image

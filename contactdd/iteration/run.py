@@ -314,7 +314,7 @@ class Run:
         """u^{k+1}, eqs. (23), (33), (37)."""
         unknowns = self.state.unknowns + step
         deformation = self.state.deformation + self.ensemble.deformation(step)
-        return State(unknowns, deformation, self._gaps(step, unknowns), self.state.gaps)
+        return State(unknowns, deformation, self._gaps(step, unknowns), self.state.gaps, self.state.shifts)
 
     def _gaps(self, step: Floats, unknowns: Floats) -> list[Floats]:
         """z^{k+1}, from z^k and the step: to the rounding of the step, where the displacements may be far larger.

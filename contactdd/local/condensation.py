@@ -217,5 +217,5 @@ def _dense_sum(blocks: Floats, places: NDArray[np.intp], size: int) -> Floats:
     """The same sum as a dense matrix (size, size); places: of every row of P, `size` where it is zero."""
     rows = places.reshape(len(blocks), -1)
     flat = (size + 1) * rows[:, :, None] + rows[:, None]
-    total: Floats = np.bincount(flat.ravel(), blocks.ravel(), (size + 1) ** 2)
+    total = np.asarray(np.bincount(flat.ravel(), blocks.ravel(), (size + 1) ** 2), dtype=float)
     return total.reshape(size + 1, -1)[:size, :size]

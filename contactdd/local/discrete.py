@@ -86,7 +86,9 @@ class DiscreteBody:
         forces = self.stiffness.forces(straining)
         work = float(straining @ forces)
         modes = self.motions[0]
-        answer = np.zeros(modes.shape[1])  # the work of springs on the free motions: that of stresses is rounding
+        answer: Floats = np.zeros(
+            modes.shape[1]
+        )  # the work of springs on the free motions: that of stresses is rounding
         if self.stiffness.has_springs:
             held = self.stiffness.spring_forces(offset - straining)
             work += float(straining @ held + (offset - straining) @ self.stiffness.spring_forces(offset))

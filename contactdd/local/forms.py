@@ -50,7 +50,7 @@ def load_vector(body: Body) -> Floats:
 def _one_load(body: Body, load: Load) -> Floats:
     """The vector of one load, that of a constant pressure by the form that all such share."""
     value = current(load.value) if isinstance(load, Pressure) else None
-    if not np.isscalar(value):
+    if not isinstance(load, Pressure) or not np.isscalar(value):
         return fem.assemble_vector(compat.form(load.form(body.elements, ufl.TestFunction(body.space)))).array
     shared = _pressure(*_elements(body), body.kinematics.name)
     facets = body.mesh.entities(load.surface).ravel()

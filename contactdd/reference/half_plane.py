@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -57,11 +58,11 @@ class HalfPlaneGroove:
             x: Coordinates along the contact (length), of any shape.
         """
         distance: Floats = np.abs(np.asarray(x, dtype=float))
-        closed = _closing_shape(distance / self.b)
+        closed = _closing_shape(np.asarray(distance / self.b))
         if self.closed:
             return np.asarray(self.q + 2 * self.closing_pressure * closed)
         share = (self.open_half_width / self.b) ** 2
-        still_open = share * _closing_shape(distance / self.open_half_width)
+        still_open = share * _closing_shape(np.asarray(distance / self.open_half_width))
         pressure = self.q + 2 * self.closing_pressure * (closed - still_open)
         return np.where(distance <= self.open_half_width, 0.0, pressure)
 
@@ -93,7 +94,7 @@ def groove_half_planes(
     return HalfPlaneGroove(q, b, r0, closing_pressure, open_half_width, closed=q >= closing_pressure)
 
 
-def _closing_shape(xi: Floats) -> Floats:
+def _closing_shape(xi: Any) -> Floats:
     """P(ξ) of `HalfPlaneGroove.pressure` for ξ ≥ 0, without cancellation far away."""
     beside = xi / (xi + np.sqrt(np.maximum(xi**2 - 1, 0)) + (xi == 0))
     return np.where(xi <= 1, xi**2, beside) - 0.5

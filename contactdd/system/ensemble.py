@@ -5,8 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
@@ -91,7 +93,7 @@ class Ensemble:
         self._motions = self._along_diagonal([each.modes for each in motions])
         self._onto_motions = self._motions.T
         self._sprung = any(np.any(each.springs) for each in motions)
-        self._springs = self._along_diagonal([each.springs for each in motions]) if self._sprung else None
+        self._springs: Any = self._along_diagonal([each.springs for each in motions]) if self._sprung else None
         self._constant = sum(problem.constant for problem in problems)
 
     @cached_property
@@ -110,6 +112,12 @@ class Ensemble:
     def gaps(self, y: Floats) -> list[Floats]:
         """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
         return self.by_interface(self._open - self.closing @ y)
+
+    def shifted(self, shifts: Sequence[Floats]) -> Ensemble:
+        """The same bodies with gaps less by these lengths (points,) of every interface; everything else is shared."""
+        other = copy(self)
+        other._open = self._undeformed_gaps() - np.concatenate(shifts)
+        return other
 
     def deformation(self, y: Floats) -> Floats:
         """y without the bodies' free rigid motions: what stresses come from."""

@@ -65,8 +65,8 @@ def _way_out(work: Floats, closes: Floats) -> Floats | None:
 
 def _rows_near_edges(ensemble: Ensemble, interface: Interface) -> Floats:
     """√weight times what the free rigid motions close at points very near the facets' edges, (points, motions)."""
-    bodies = tuple(side.body for side in interface.sides)
-    fine = discretise(interface.contact.resampled(NEAR_EDGES), bodies, interface.facets)
+    first, second = interface.sides
+    fine = discretise(interface.contact.resampled(NEAR_EDGES), (first.body, second.body), interface.facets)
     owners = ensemble.rigid.owners
     parts = [np.zeros((len(fine.weights), owner.coefficients.shape[1])) for owner in owners]
     for side in fine.sides:

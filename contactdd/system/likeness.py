@@ -14,7 +14,8 @@ from dolfinx import fem
 
 from ..base.facets import surface_points
 from ..body import Body
-from ..layer import CustomLayer, Layer
+from ..hard_contact import HardContact
+from ..layer import Layer
 from ..meshless import MeshlessBody
 from ..parameter import current
 from ..scene import Scene
@@ -66,7 +67,7 @@ def _told(scene: Scene, settings: Mapping[str, Any]) -> Iterator[Told]:
         yield f"contact {contact.name!r}, points", _measure(np.hstack([interface.x, interface.weights[:, None]]))
         yield f"contact {contact.name!r}, gap", _measure(interface.gap)
         yield f"contact {contact.name!r}, layer", _text(contact.layer)
-        yield f"contact {contact.name!r}, law of the layer", _of_layer(contact.layer, contact.reach)
+        yield f"contact {contact.name!r}, law of the layer", _of_layer(interface.contact.layer, contact.reach)
 
 
 def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:
@@ -118,13 +119,15 @@ def _arrays(expression: Any) -> list[Any]:
     return [c.x.array for c in coefficients if isinstance(c, fem.Function)] + [c.value for c in constants]
 
 
-def _of_layer(layer: Layer, reach: float) -> tuple[float, float] | None:
+def _of_layer(layer: Layer | HardContact, reach: float) -> tuple[float, float] | None:
     """The stresses of a law, to be compared where its text does not give it: within what it is made for."""
-    if isinstance(layer, CustomLayer):
+    if isinstance(layer, HardContact):
+        return None
+    if hasattr(layer, "compression_range"):
         return _measure(layer.contact_stress(-layer.compression_range * np.logspace(-6, 0, 7)))
     try:
         with np.errstate(all="ignore"):
-            return _measure(layer.contact_stress(-reach * np.logspace(-9, -4, 6)))
+            return _measure(layer.contact_stress(-reach * np.logspace(-9, -4, 6)[:, None]))
     except Exception:  # beyond what a law is defined for; it is not asked for its range
         return None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -38,6 +39,14 @@ def from_displacements(ensemble: Ensemble, displacements: Callable[[str], Floats
             )
         parts.append(problem.restrict(displacement))
     return _state(ensemble, parts)
+
+
+def with_multipliers(state: State, ensemble: Ensemble, multipliers: list[Floats]) -> State:
+    """The same iterate with the multipliers of hard contacts, pressures, if they are of as many points."""
+    if [len(pressure) for pressure in multipliers] != [len(gaps) for gaps in state.gaps]:
+        return state
+    contacts = zip(ensemble.interfaces, multipliers, strict=True)
+    return replace(state, shifts=[p / i.contact.layer.stiffness if i.hard else 0.0 * p for i, p in contacts])
 
 
 def from_contacts(ensemble: Ensemble, ranks: Ranks, u_n: Given, previous: Given | None) -> State:
@@ -117,7 +126,7 @@ def _at_points(name: str, value: Given, interface: Interface) -> Floats:
 def _compressions(ensemble: Ensemble) -> list[float]:
     """w of every contact under the largest mean load of a body."""
     stress = max(_mean_contact_stress(ensemble, problem) for problem in ensemble.problems)
-    return [float(interface.contact.layer.compression(-stress)) for interface in ensemble.interfaces]
+    return [float(np.mean(interface.contact.layer.compression(-stress))) for interface in ensemble.interfaces]
 
 
 def _mean_contact_stress(ensemble: Ensemble, problem: LocalProblem) -> float:
@@ -132,7 +141,7 @@ def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:
     if not np.any(depths):
         return np.ones(len(depths))
     layers = [interface.contact.layer for interface in ensemble.interfaces]
-    pressures = np.array([-float(layer.contact_stress(-w)) for layer, w in zip(layers, depths, strict=True)])
+    pressures = np.array([-float(np.mean(law.contact_stress(-w))) for law, w in zip(layers, depths, strict=True)])
     typical = np.full(len(depths), pressures.max() / depths.max())
     secants = np.divide(pressures, depths, out=typical, where=depths > 0.0)
     return np.maximum(secants, 1e-12 * secants.max())

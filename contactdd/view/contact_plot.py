@@ -114,7 +114,7 @@ def _draw_map(figure: Any, surface: SurfaceResult, show: str, stress: str | None
     axes = figure.subplots()
     outlines = surface.outlines
     first, second = sorted(int(axis) for axis in np.argsort(np.ptp(outlines.reshape(-1, 3), axis=0))[1:])
-    facets = PolyCollection(outlines[:, :, [first, second]], linewidths=0.15, edgecolors="face")
+    facets = PolyCollection(list(outlines[:, :, [first, second]]), linewidths=0.15, edgecolors="face")
     values = {"pressure": surface.pressure, "gap": surface.gap, "status": surface.status}[show]
     facets.set_array(values)
     if show == "status":
@@ -126,8 +126,8 @@ def _draw_map(figure: Any, surface: SurfaceResult, show: str, stress: str | None
     axes.add_collection(facets)
     edge = surface.edge
     if show != "status" and len(edge):
-        axes.add_collection(LineCollection(edge[:, :, [first, second]], colors="white", linewidths=1.4))
-        axes.add_collection(LineCollection(edge[:, :, [first, second]], colors="black", linewidths=0.6))
+        axes.add_collection(LineCollection(list(edge[:, :, [first, second]]), colors="white", linewidths=1.4))
+        axes.add_collection(LineCollection(list(edge[:, :, [first, second]]), colors="black", linewidths=0.6))
     label = {"pressure": with_unit("contact pressure", stress), "gap": with_unit("deformed gap z", length)}
     width, height = np.ptp(outlines.reshape(-1, 3), axis=0)[[first, second]]
     wide = width > 1.5 * height

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -69,7 +70,9 @@ def plot_multiples(
     return figure
 
 
-def animate(steps: Steps, labels: Sequence[str], path: str | Path, *, per_second: float = 4.0, **options: Any) -> Path:
+def animate(
+    steps: Steps, labels: Sequence[str], path: str | PathLike[str], *, per_second: float = 4.0, **options: Any
+) -> Path:
     """The animation written as a GIF, one frame a step, drawn alike; options: of `plot_bodies`."""
     from PIL import Image
 

@@ -1,0 +1,71 @@
+"""Contact without a layer: p ≥ 0, gap ≥ 0, p · gap = 0.
+
+Such a contact is the limit of ever stiffer layers, but is not solved as one. With a multiplier λ for the pressure at
+every node the augmented Lagrangian (Hestenes, Powell, Rockafellar; Alart and Curnier for contact) takes the pressure as
+
+    p = [λ − k z]⁺ = k [s − z]⁺,    s = λ/k,
+
+that is the linear layer k on gaps z less s, whose solution is found as that of any layer; then λ is set to p, until
+both agree. Where they do, p > 0 means z = 0 and p = 0 means z ≥ 0, whatever k is: k decides only how fast that is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from .base.checks import positive
+from .layer import LinearLayer
+
+#: k of the augmented Lagrangian over the stiffness E/h of the bodies' finest facets: each update of the multipliers
+#: then leaves a tenth to a hundredth of the penetration, and the linear systems are no worse than with a stiff layer.
+PENALTY = 30.0
+
+#: The same for the decomposed methods, whose steps get slower the stiffer the layer is.
+DECOMPOSED_PENALTY = 0.3
+
+
+@dataclass(frozen=True)
+class HardContact:
+    """Contact without a layer between the surfaces: no penetration and no tension, p ≥ 0, gap ≥ 0, p · gap = 0.
+
+    Given in place of a layer. The pressure is a linear field on the nodes of one surface (`quadrature="mortar"`, which
+    such a contact always has), found by an augmented Lagrangian; the weighted gap at each node is zero to a millionth
+    of what that pressure would do to a layer as stiff as the elements. What penetration is left is told by
+    `ContactResult.penetration` and by the notes in the history.
+
+    Args:
+        penalty: k over the bodies' surface stiffness E/h (no unit), by default 30, and 0.3 with decomposed methods. It
+            changes how many iterations are needed, not the result.
+
+    Raises:
+        TypeError, ValueError: penalty is not a positive finite number.
+
+    Example:
+        >>> HardContact()
+        HardContact(penalty=None)
+    """
+
+    penalty: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.penalty is not None:
+            object.__setattr__(self, "penalty", positive("penalty", self.penalty))
+
+
+@dataclass(frozen=True)
+class AugmentedLayer(LinearLayer):
+    """p = k [s − z]⁺ as a law of the shifted gap z − s: what a hard contact is solved with.
+
+    given: whether the user chose k.
+    """
+
+    given: bool = False
+
+    def decomposed(self) -> AugmentedLayer:
+        """The same for decomposed methods."""
+        return self if self.given else replace(self, stiffness=self.stiffness * DECOMPOSED_PENALTY / PENALTY)
+
+
+def augmented_layer(contact: HardContact, facet_stiffness: float) -> AugmentedLayer:
+    """The linear layer of a hard contact between surfaces whose facets have the stiffness E/h."""
+    return AugmentedLayer((contact.penalty or PENALTY) * facet_stiffness, contact.penalty is not None)
