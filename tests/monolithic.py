@@ -24,10 +24,20 @@ ROUNDING = 2e-15
 
 @dataclass(frozen=True)
 class Law:
-    """A layer and, written out, the compression c (length) under a pressure."""
+    """A layer and, written out, the compression c (length) under a pressure (n,) at x (n, dim).
 
-    layer: cd.Layer
-    compression: Callable[[Floats], Floats]
+    slack: of contact without a layer, the penetration over the largest pressure that is let be (length / stress).
+    """
+
+    layer: cd.Layer | cd.HardContact
+    compression: Callable[[Floats, Floats], Floats]
+    slack: float = 0.0
+
+    def off(self, gap: Floats, pressure: Floats, x: Floats) -> float:
+        """By how much gaps are not what the pressures ask for (length), beyond the slack."""
+        compression = self.compression(pressure, x)
+        off = np.where(pressure > 0.0, np.abs(gap + compression), np.maximum(-gap, 0.0))
+        return float(off.max()) - self.slack * float(pressure.max())
 
 
 @dataclass
@@ -64,9 +74,7 @@ class Monolithic:
             only what does not need that is checked.
     """
 
-    def __init__(
-        self, scene: cd.Scene, forms: Mapping[str, WeakForm], laws: list[Law], curved: bool = False
-    ) -> None:
+    def __init__(self, scene: cd.Scene, forms: Mapping[str, WeakForm], laws: list[Law], curved: bool = False) -> None:
         self.scene, self.forms, self.laws, self.curved = scene, forms, laws, curved
 
     def check(self, solution: cd.Solution) -> Findings:
@@ -74,41 +82,46 @@ class Monolithic:
         found = Findings()
         displacements = {b.name: _array(solution.displacement(b)) for b in self.scene.bodies}
         contact_forces = {name: np.zeros_like(u) for name, u in displacements.items()}
-        for index, law in enumerate(self.laws):
+        for index in range(len(self.laws)):
             self._check_area(solution.contact(index), index, found)
             if not self.curved:
-                self._check_contact(solution.contact(index), index, law, displacements, contact_forces, found)
+                self._check_contact(solution, index, displacements, contact_forces, found)
         if not self.curved:
             self._check_equilibrium(displacements, contact_forces, found)
-        self._check_resultants(solution, found)
+        self._check_resultants(solution, displacements, found)
         return found
 
     def _check_contact(
         self,
-        result: cd.ContactResult,
+        solution: cd.Solution,
         index: int,
-        law: Law,
         displacements: Mapping[str, Floats],
         contact_forces: dict[str, Floats],
         found: Findings,
     ) -> None:
-        contact = self.scene.contacts[index]
-        distance, operators = self._seen(contact, result)
-        push = result.weights * result.pressure
+        contact, result = self.scene.contacts[index], solution.contact(index)
+        law, mortar = self.laws[index], contact.quadrature == "mortar"
+        # The mortar rule's pressures are at nodes, linear in between: their forces are integrals over Gauss points.
+        points = solution.contact(index, degree=2 + 2 * max(b.degree for b, _ in contact.sides)) if mortar else result
+        undeformed, operators = self._seen(contact, points)
+        push = points.weights * points.pointwise_pressure
         approach, sizes = np.zeros(len(push)), [1e-300]
         for (body, _), operator in zip(contact.sides, operators, strict=True):
             u = displacements[body.name]
             contact_forces[body.name] -= operator.T @ push
             approach += operator @ u
             sizes.append(np.abs(u).max(initial=0.0))
-        given = _gap(contact, result.x, distance, result.normal)
-        gap = contact.measure_gap * distance + given - approach
+        gap = undeformed - approach
         # A gap is a small difference of displacements and of distances found between coordinates.
-        size = max(*sizes, np.abs(given).max(), 1e-3 * np.abs(result.x).max() if np.any(distance) else 0.0)
-        compression = law.compression(result.pressure)
+        size = max(*sizes, np.abs(undeformed).max())
+        if mortar:  # the weights of the nodes' linear functions add up to those of the points
+            mean = abs(points.weights @ gap - result.weights @ result.gap) / result.weights.sum()
+            found.note("gap", 0.0 if callable(contact.gap) else mean / size)  # other points see other waves
+            gap = result.gap
         found.note("gap", np.abs(gap - result.gap).max() / size)
-        found.note("law", np.abs(np.maximum(-gap, 0.0) - compression).max() / max(size, compression.max()))
-        if np.any(result.pressure < 0.0) or np.any((result.pressure > 0.0) & (result.gap > 0.0)):
+        pressure = result.pointwise_pressure
+        found.note("law", law.off(gap, pressure, result.x) / size)
+        if np.any(pressure < 0.0) or (not law.slack and np.any((pressure > 0.0) & (result.gap > 0.0))):
             found.note("law", np.inf)
 
     def _check_equilibrium(
@@ -134,21 +147,28 @@ class Monolithic:
         # What rounding leaves is no fault; where nothing is at work it is all there may be.
         found.note("residual", max(rest - np.linalg.norm(roundings), 0.0) / max(work, 1e-300))
 
-    def _check_resultants(self, solution: cd.Solution, found: Findings) -> None:
+    def _check_resultants(self, solution: cd.Solution, displacements: Mapping[str, Floats], found: Findings) -> None:
         """Action = reaction, and every body in balance."""
         forces = {b.name: solution.forces(b) for b in self.scene.bodies}
-        sizes = [np.linalg.norm(solution.contact(i).weights * solution.contact(i).pressure) for i in range(len(self.laws))]
+        sizes = [
+            np.linalg.norm(solution.contact(i).weights * solution.contact(i).pressure) for i in range(len(self.laws))
+        ]
         sizes += [np.abs(part).max() for parts in forces.values() for part in parts.values()]
         size = max(*sizes, 1e-300)
-        total = {name: -parts["contact"] for name, parts in forces.items()}
+        total = {name: -parts["contact"] * (not self.curved) for name, parts in forces.items()}
         for index, contact in enumerate(self.scene.contacts):
             vector = solution.contact(index).force_vector
-            for (body, _), sign in zip(contact.sides, (1.0, -1.0), strict=True):
+            for (body, _), sign in zip(contact.sides, (0.0, 0.0) if self.curved else (1.0, -1.0), strict=True):
                 total[body.name] = total[body.name] + sign * vector
         found.note("reaction", max(np.abs(rest).max() for rest in total.values()) / size)
         found.note("reaction", np.abs(sum(parts["contact"] for parts in forces.values())).max() / size)
-        if not self.curved:
+        if not self.curved and self._something_at_work(displacements, size):
             found.note("balance", solution.imbalance)
+
+    def _something_at_work(self, displacements: Mapping[str, Floats], size: float) -> bool:
+        """Whether forces are more than what rounding makes of displacements."""
+        return all(size > 1e-12 * np.linalg.norm(abs(form.stiffness) @ np.abs(displacements[name]))
+                   for name, form in self.forms.items())  # fmt: skip
 
     def _check_area(self, result: cd.ContactResult, index: int, found: Findings) -> None:
         """The points stand for all of each surface that is not said to lie opposite nothing."""
@@ -158,7 +178,7 @@ class Monolithic:
                 found.note("area", abs(result.weights.sum() + result.unpaired_area[side] - area) / area)
 
     def _seen(self, contact: cd.Contact, result: cd.ContactResult) -> tuple[Floats, list[scipy.sparse.csr_matrix]]:
-        """The distance of both surfaces at the points, (n,), and from each body's displacements to u_n there."""
+        """The gap before deformation at the points, (n,), and from each body's displacements to u_n there."""
         (first, name), (second, other) = contact.sides
         if first.mesh is None or second.mesh is None:
             return self._seen_from_one(contact, result)
@@ -167,17 +187,15 @@ class Monolithic:
         here, there = self.forms[first.name], self.forms[second.name]
         _, shapes = here.opposite(name, result.x, -result.normal)
         distance, opposite = there.opposite(other, result.x, result.normal)
-        return distance, [
+        return _undeformed(contact, result.x, distance, result.normal), [
             here.normal_displacement(shapes, result.normal), there.normal_displacement(opposite, -result.normal)
         ]  # fmt: skip
 
-    def _by_facets(
-        self, contact: cd.Contact, result: cd.ContactResult
-    ) -> tuple[Floats, list[scipy.sparse.csr_matrix]]:
+    def _by_facets(self, contact: cd.Contact, result: cd.ContactResult) -> tuple[Floats, list[scipy.sparse.csr_matrix]]:
         """One value for every facet: the means over it, on flat surfaces that match."""
         (first, name), (second, other) = contact.sides
         here, there = self.forms[first.name], self.forms[second.name]
-        points = here.surface(name)
+        points = here.surface(name, 2 * max(first.degree, second.degree))  # a gap's mean is by contactdd's points
         per_facet = len(points.weight) // len(first.mesh.facets(name))
         middles = points.x.reshape(-1, per_facet, here.dim).mean(axis=1)
         order = np.array([np.argmin(np.linalg.norm(middles - x, axis=1)) for x in result.x])
@@ -187,7 +205,7 @@ class Monolithic:
         normal = points.normal[chosen]
         distance, opposite = there.opposite(other, points.x[chosen], normal)
         traces = here.normal_displacement(points.shapes[chosen], normal), there.normal_displacement(opposite, -normal)
-        return mean @ distance, [mean @ trace for trace in traces]
+        return mean @ _undeformed(contact, points.x[chosen], distance, normal), [mean @ trace for trace in traces]
 
     def _seen_from_one(
         self, contact: cd.Contact, result: cd.ContactResult
@@ -203,14 +221,16 @@ class Monolithic:
                 form = self.forms[body.name]
                 shapes = form.opposite(name, result.x, -outward)[1]
                 operators.append(form.normal_displacement(shapes, outward))
-        return distance, operators
+        return _undeformed(contact, result.x, distance, result.normal), operators
 
 
 def _array(displacement: object) -> Floats:
     return displacement if isinstance(displacement, np.ndarray) else displacement.x.array
 
 
-def _gap(contact: cd.Contact, x: Floats, distance: Floats, normal: Floats) -> Floats:
-    """What is given of d at the points, (n,); midway between the surfaces."""
+def _undeformed(contact: cd.Contact, x: Floats, distance: Floats, normal: Floats) -> Floats:
+    """d at the points, (n,): the surfaces' distance and what is given, midway between them."""
+    distance = np.where(np.abs(distance) > 1e-13 * np.abs(x).max(), distance, 0.0)  # less is rounding of coordinates
     gap = contact.gap.value if isinstance(contact.gap, cd.Parameter) else contact.gap
-    return np.broadcast_to(gap((x + 0.5 * distance[:, None] * normal).T) if callable(gap) else gap, (len(x),))
+    given = gap((x + 0.5 * distance[:, None] * normal).T) if callable(gap) else gap
+    return np.where(contact.measure_gap, distance, 0.0) + given

@@ -47,6 +47,13 @@ BALANCE = 1e-8
 AGREEMENT = 1e-6
 
 
+#: The laws and how often they are drawn.
+LAWS = {
+    "power": 0.28, "linear": 0.18, "cubic": 0.06, "table": 0.08, "coating": 0.06, "logarithmic": 0.06,
+    "hyperbolic": 0.06, "exponential": 0.06, "series": 0.05, "varying": 0.05, "hard": 0.06,
+}  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Stuff:
     """A material and, written out, its tensor C_ijkl and what that is times at x (dim, n)."""
@@ -171,28 +178,43 @@ class Recipe:
     def law(self) -> Law:
         """A layer that gives way between a thousandth and a thousand times as much as the bodies under the load."""
         p0, c0 = self.load, self.load / self.modulus * self.length * self.power(-3, 1.5)
-        kind = self.pick(["power", "linear", "cubic", "table", "coating"], p=[0.4, 0.25, 0.1, 0.15, 0.1])
+        kind = self.pick(list(LAWS), p=list(LAWS.values()))
         if kind == "power":
             a = self.pick([0.4, 0.7, 1.0, 1.1, 2.0, 3.0])
-            return Law(cd.PowerLayer(c0 / p0**a, a), lambda p: c0 * (p / p0) ** a)
+            return Law(cd.PowerLayer(c0 / p0**a, a), lambda p, x: c0 * (p / p0) ** a)
         if kind == "linear":
-            return Law(cd.LinearLayer(p0 / c0), lambda p: p * c0 / p0)
+            return Law(cd.LinearLayer(p0 / c0), lambda p, x: p * c0 / p0)
         if kind == "cubic":
-            layer = cd.CustomLayer(
+            cubic = cd.CustomLayer(
                 lambda w: p0 * (w / c0 + (w / c0) ** 3),
                 derivative=lambda w: p0 / c0 * (1 + 3 * (w / c0) ** 2),
                 compression_range=10 * c0,
             )
-            return Law(layer, lambda p: c0 * _root_of_cubic(p / p0))
-        if kind == "coating":  # pressed through at h
-            h = 2 * c0
-            layer = cd.CustomLayer(
-                lambda w: p0 * np.log1p(w / h), derivative=lambda w: p0 / (h + w), compression_range=0.9 * h
-            )
-            return Law(layer, lambda p: -h * np.expm1(-p / p0))
+            return Law(cubic, lambda p, x: c0 * _root_of_cubic(p / p0))
+        if kind == "coating":  # pressed through at 2 c₀, where the law is not a number
+            coating = cd.CustomLayer(_quiet(lambda w: p0 * np.log1p(0.5 * w / c0)), compression_range=1.8 * c0)
+            return Law(coating, lambda p, x: -2 * c0 * np.expm1(-p / p0))
+        if kind == "logarithmic":
+            return Law(cd.LogarithmicLayer(p0, 2 * c0), lambda p, x: -2 * c0 * np.expm1(-p / p0))
+        if kind == "hyperbolic":
+            return Law(cd.HyperbolicLayer(p0 / c0, 2 * c0), lambda p, x: p / (p0 / c0 + p / (2 * c0)))
+        if kind == "exponential":
+            return Law(cd.ExponentialLayer(p0, c0), lambda p, x: c0 * np.log1p(p / p0))
+        if kind == "series":
+            parts = cd.LinearLayer(p0 / c0), cd.PowerLayer(c0 / p0**1.5, 1.5)
+            return Law(cd.SeriesLayer(*parts), lambda p, x: c0 * (p / p0 + (p / p0) ** 1.5))
+        if kind == "varying":
+
+            def stiffness(x: Floats) -> Floats:
+                return p0 / c0 * (1.5 + np.sin(np.sum(x, axis=0) / self.length))
+
+            return Law(cd.VaryingLayer(cd.LinearLayer, stiffness=stiffness), lambda p, x: p / stiffness(x.T))
+        if kind == "hard":  # a penetration of a millionth of what the pressure does to a facet
+            slack = 3e-6 * self.length / self.modulus
+            return Law(cd.HardContact(), lambda p, x: np.zeros_like(p), slack)
         c, p = c0 * np.array([0.5, 1.0, 1.5, 2.0]), p0 * np.array([0.2, 1.0, 3.0, 20.0])
-        layer = cd.TableLayer(c, p)
-        return Law(layer, _inverse_of_table(c, p))
+        compression = _inverse_of_table(c, p)
+        return Law(cd.TableLayer(c, p), lambda p, x: compression(p))
 
     # Bodies and contacts
 
@@ -207,7 +229,9 @@ class Recipe:
         self.forms[name] = WeakForm(made, stuff.tensor, stuff.factor)
         return made
 
-    def rectangle(self, low: Sequence[float], high: Sequence[float], cells: tuple[int, int], **surfaces: Any) -> cd.Mesh:
+    def rectangle(
+        self, low: Sequence[float], high: Sequence[float], cells: tuple[int, int], **surfaces: Any
+    ) -> cd.Mesh:
         shape = self.pick(["triangle", "quadrilateral"], p=[0.7, 0.3])
         mesh = cd.rectangle(low, high, cells, shape=shape, diagonal=self.pick(["left", "right", "crossed"]))
         return mesh.with_surfaces(**surfaces) if surfaces else mesh
@@ -220,6 +244,10 @@ class Recipe:
         if self.chance(0.3):
             first, second = second, first
         name = f"contact {len(self.contacts) + 1}"
+        if isinstance(law.layer, cd.HardContact):
+            options = {}
+        elif not options and self.chance(0.1) and all(isinstance(side, tuple) for side in (first, second)):
+            options = {"quadrature": "mortar"}
         self.contacts.append(cd.Contact(first, second, law.layer, gap=gap, name=name, **options))
         self.laws.append(law)
 
@@ -253,6 +281,16 @@ class Recipe:
         return Trial(kind, scene, self.forms, self.laws, change=change if changed else None, **options)
 
 
+def _quiet(function: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
+    """The same function without warnings of what is no number."""
+
+    def quietly(w: Floats) -> Floats:
+        with np.errstate(all="ignore"):
+            return function(w)
+
+    return quietly
+
+
 def _root_of_cubic(y: Floats) -> Floats:
     """The c with c + c³ = y, by Newton's method from above."""
     c = np.minimum(y, np.cbrt(y))
@@ -263,8 +301,11 @@ def _root_of_cubic(y: Floats) -> Floats:
 
 def _inverse_of_table(c: Floats, p: Floats) -> Callable[[Floats], Floats]:
     """The compressions of SciPy's monotone cubic through the origin and the points, straight beyond the last."""
-    curve = scipy.interpolate.PchipInterpolator(np.append(0.0, c), np.append(0.0, p))
-    end = float(curve.derivative()(c[-1]))
+    c, p = np.append(0.0, c), np.append(0.0, p)
+    slopes = scipy.interpolate.PchipInterpolator(c, p).derivative()(c)
+    if slopes[0] <= 1e-8 * p[1] / c[1]:  # where it would begin flat, with half the chord's slope
+        slopes[0] = 0.5 * p[1] / c[1]
+    curve, end = scipy.interpolate.CubicHermiteSpline(c, p, slopes), slopes[-1]
 
     def compression(pressure: Floats) -> Floats:
         low, high = np.zeros_like(pressure), np.full_like(pressure, c[-1])
@@ -299,7 +340,9 @@ def stack(recipe: Recipe) -> Trial:
         supports: list[Any] = [cd.Symmetry("left", "right")] if hold == "walls" else []
         if hold == "springs":
             stiffness = recipe.modulus / recipe.length * recipe.power(-4, 1)
-            supports.append(cd.Spring("left", stiffness, recipe.pick([None, "normal", tuple(recipe.turned([1.0, 0.0]))])))
+            supports.append(
+                cd.Spring("left", stiffness, recipe.pick([None, "normal", tuple(recipe.turned([1.0, 0.0]))]))
+            )
         loads: list[Any] = []
         if i == 0:
             if floating:
@@ -317,7 +360,9 @@ def stack(recipe: Recipe) -> Trial:
         recipe.body(name, mesh, supports, loads, own)
         floor += height
     for low, high in zip(recipe.bodies[:-1], recipe.bodies[1:], strict=True):
-        recipe.touch((low, "top"), (high, "bottom"), recipe.gap(), **_rule(recipe, (low, high), matching and hold != "loose"))
+        recipe.touch(
+            (low, "top"), (high, "bottom"), recipe.gap(), **_rule(recipe, (low, high), matching and hold != "loose")
+        )
     return recipe.trial(f"stack, {hold}")
 
 
@@ -385,7 +430,9 @@ def beside(recipe: Recipe) -> Trial:
     one = recipe.body("one", low, [*held, cd.Symmetry("left")] if both else held, [], kinematics)
     moved = recipe.angle == 0.0 and recipe.chance(0.5)
     end = cd.Displacement("right", [-size * recipe.power(-1, 0.5), 0.0]) if moved else cd.Fixed("right")
-    two = recipe.body("two", high, [end], [cd.BodyForce(recipe.turned([0.0, 0.1 * recipe.load / recipe.length]))], kinematics)
+    two = recipe.body(
+        "two", high, [end], [cd.BodyForce(recipe.turned([0.0, 0.1 * recipe.load / recipe.length]))], kinematics
+    )
     gap = recipe.gap() if moved else -size * recipe.power(-1, 0.5)
     recipe.touch((one, "right"), (two, "left"), gap)
     return recipe.trial("beside each other")
@@ -470,7 +517,9 @@ def arcs(recipe: Recipe) -> Trial:
         recipe.body(f"arc {i + 1}", mesh, [cd.Symmetry("bottom", "top")], loads, kinematics)
     one, two = recipe.bodies
     recipe.touch((one, "right"), (two, "left"), -size * recipe.power(-1, 0.5))
-    return recipe.trial("arcs" if match else "arcs that do not match", curved=not match)
+    # The mortar rule takes the smooth surface behind facets also where they match.
+    curved = not match or recipe.contacts[0].quadrature == "mortar"
+    return recipe.trial("arcs" if match else "arcs that do not match", curved=curved)
 
 
 class Plate(cd.MeshlessBody):

@@ -137,16 +137,18 @@ class WeakForm:
             total += at.shapes.T @ (at.weight[:, None] * traction)
         return total.ravel()
 
-    def surface(self, name: str) -> SurfacePoints:
-        """Points of a surface that integrate all that stands here on it."""
+    def surface(self, name: str, degree: int | None = None) -> SurfacePoints:
+        """Points of a surface, by default such that integrate all that stands here on it."""
         facet = basix.cell.subentity_types(self.cell)[self.dim - 1][0]
-        points, weights = basix.make_quadrature(facet, 3 * self.body.degree + 2)
+        points, weights = basix.make_quadrature(facet, 3 * self.body.degree + 2 if degree is None else degree)
         cells, first, sides = self._facets(name)
         x = first[:, None] + np.einsum("qk,fkj->fqj", points, sides)
         area = _area(sides)[:, None] * weights * self._around(x.reshape(-1, self.dim)).reshape(len(x), -1)
         normals = np.repeat(self._normals(name), len(points), axis=0)
         owners = np.repeat(cells, len(points))
-        return SurfacePoints(x.reshape(-1, self.dim), normals, area.ravel(), self._shapes(x.reshape(-1, self.dim), owners))
+        return SurfacePoints(
+            x.reshape(-1, self.dim), normals, area.ravel(), self._shapes(x.reshape(-1, self.dim), owners)
+        )
 
     def opposite(self, name: str, x: Floats, direction: Floats) -> tuple[Floats, scipy.sparse.csr_matrix]:
         """How far lines from points (n, dim) along directions go to a surface, (n,), and the shape functions there."""
@@ -159,7 +161,9 @@ class WeakForm:
                 t = np.sum((first - point) * normals, axis=1) / (normals @ along)
             offset = point + np.nan_to_num(t, posinf=1e300, neginf=1e300)[:, None] * along - first
             local = np.linalg.solve(square, np.einsum("fki,fi->fk", sides, offset)[..., None])[..., 0]
-            outside = np.max([-local.min(axis=1), (local.sum(axis=1) if self._triangular else local.max(axis=1)) - 1], 0)
+            outside = np.max(
+                [-local.min(axis=1), (local.sum(axis=1) if self._triangular else local.max(axis=1)) - 1], 0
+            )
             outside[normals @ along > -0.1] = np.inf  # it faces away
             hit = np.flatnonzero(outside <= max(1e-7, outside.min()))
             best = hit[np.argmin(np.abs(t[hit]))]
@@ -262,7 +266,9 @@ class WeakForm:
         topology = self.body.mesh.domain.topology
         topology.create_connectivity(self.dim - 1, self.dim)
         topology.create_connectivity(self.dim, self.dim - 1)
-        to_cell, to_facets = (topology.connectivity(*pair) for pair in ((self.dim - 1, self.dim), (self.dim, self.dim - 1)))
+        to_cell, to_facets = (
+            topology.connectivity(*pair) for pair in ((self.dim - 1, self.dim), (self.dim, self.dim - 1))
+        )
         facets = self.body.mesh.facets(name)
         cells = np.array([to_cell.links(facet)[0] for facet in facets])
         places = [list(to_facets.links(cell)).index(facet) for cell, facet in zip(cells, facets, strict=True)]
