@@ -177,7 +177,8 @@ class Body:
             return {"quadrature_degree": self._material_degree}
         tensor = self.mesh.domain.topology.cell_name() in ("quadrilateral", "hexahedron")
         straight = compat.coordinate_map(self.mesh.domain).degree == 1
-        return {"quadrature_degree": 2 * self.degree} if tensor and straight and not self.kinematics.ring else None
+        few = tensor and straight and not self.kinematics.axisymmetric
+        return {"quadrature_degree": 2 * self.degree} if few else None
 
     def spring_forms(self, u: Any, v: Any) -> list[ufl.Form]:
         """The UFL forms ∫ k u·v ds of every spring, kept apart so that no combination of them is compiled anew.
@@ -203,7 +204,7 @@ class Body:
 
     def _check_radii(self) -> None:
         """Refuse a mesh of rings that crosses the axis."""
-        if self.kinematics.ring:
+        if self.kinematics.axisymmetric:
             r = self.mesh.domain.geometry.x[:, 0]
             if r.min() < -1e-10 * np.abs(r).max():  # file formats round coordinates
                 raise ValueError(f"mesh of body {self.name!r}: the radius x[0] = {r.min():g}; expected x[0] >= 0")

@@ -1,4 +1,4 @@
-"""A deformed body as plain arrays: what pictures, files and saved solutions hold of it."""
+"""A deformed body as plain arrays, for pictures, files and saved solutions."""
 
 from __future__ import annotations
 
@@ -39,18 +39,27 @@ class SurfaceFit:
 
 @dataclass(frozen=True)
 class BodyResult:
-    """A deformed body, n nodes of its own degree.
+    """A deformed body as plain arrays, at the n nodes of its own degree.
 
-    Args:
-        name: of the body.
+    Attributes:
+        name: The name of the body.
         kinematics: "plane strain", "plane stress", "axisymmetric" or "solid".
-        points: (n, dim) the nodes.
-        cells: (c, k) the nodes of each cell, in VTK's order.
+        points: (n, dim) The nodes before deformation (length).
+        cells: (c, k) The nodes of each cell, in VTK's order.
         cell_type: VTK's number of the cells' shape.
-        displacement: (n, dim) (length).
-        stress: (n, 6) in the order xx, yy, zz, yz, xz, xy, the mean of the cells around each node.
-        cell_stress: (c, 6) the mean of each cell's nodes.
-        fits: how the contact surfaces are drawn.
+        displacement: (n, dim) The displacements of the nodes (length).
+        stress: (n, 6) The stresses in the order xx, yy, zz, yz, xz, xy, the mean of the cells around each node.
+        cell_stress: (c, 6) The mean stresses of each cell, over its nodes.
+        fits: The shifts with which the contact surfaces are drawn.
+
+    Example:
+        >>> import contactdd as cd
+        >>> triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+        >>> uniaxial = np.array([[100.0, 0, 0, 0, 0, 0]])
+        >>> cells = np.array([[0, 1, 2]])
+        >>> body = cd.BodyResult("t", "plane stress", triangle, cells, 5, 0 * triangle, uniaxial.repeat(3, 0), uniaxial)
+        >>> body.von_mises
+        array([100., 100., 100.])
     """
 
     name: str
@@ -65,24 +74,24 @@ class BodyResult:
 
     @property
     def dim(self) -> int:
-        """2 or 3."""
+        """The dimension of the coordinates, 2 or 3."""
         return self.points.shape[1]
 
     @property
     def ring(self) -> bool:
-        """Whether it is a body of revolution, points[:, 0] the radius."""
+        """Whether the body is a body of revolution, points[:, 0] the radius."""
         return self.kinematics == "axisymmetric"
 
     @property
     def von_mises(self) -> Floats:
-        """The von Mises stress at the nodes, (n,)."""
+        """The von Mises stress at the nodes, (n,) (stress)."""
         return von_mises(self.stress)
 
     def drawn(self, scale: float) -> Floats:
-        """Where the nodes are drawn, (n, dim).
+        """The positions at which the nodes are drawn, (n, dim) (length).
 
         Args:
-            scale: how many times displacements and gaps are enlarged.
+            scale: The factor by which displacements and gaps are enlarged.
         """
         return self.points + scale * self.displacement + sum(fit.shift(scale) for fit in self.fits)
 

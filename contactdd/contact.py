@@ -28,22 +28,32 @@ class Contact:
 
     Args:
         first, second: (body, surface name), or a body without a mesh.
-        layer: The law w ↦ σ_n of both surfaces' layers together, which begins where the gap is the layer's clearance, 0
-            for most: all gaps of a solution count from there; or `HardContact()` where there is none.
-        gap: d(x) in addition to the distance of the two meshes (length), negative for an interference: a number, a
-            `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway between the
-            surfaces where their meshes do not match.
-        measure_gap: Whether the distance of the two meshes counts, where they do not match that of the smooth surfaces
-            behind their facets; False takes `gap` alone.
-        search_distance: How far apart partners may be (length), by default the smaller body's size.
-        quadrature: Where the law is evaluated: "gauss" (the default) at Gauss points; "mortar" (that of hard contact)
-            at the nodes of one surface, of the softer body or else of the coarser facets; "facet" once per facet;
-            "vertex" at the vertices of facets that match.
-        quadrature_degree: Another degree of exactness than twice the elements' degree.
-        name: By default "first–second" by the bodies' names.
+        layer: The law w ↦ σ_n of both surfaces' layers together, or `HardContact()` where there is none. The law begins
+            where the gap is the layer's clearance, 0 for most: all gaps of a solution count from there.
+        gap: d(x), the initial gap in addition to the distance of the two meshes (length), negative for an interference:
+            a number, a `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway
+            between the surfaces where their meshes do not match.
+        measure_gap: Whether the distance of the two meshes counts: where they do not match, that of the smooth surfaces
+            behind their facets. False ignores it and takes `gap` alone: for surfaces that coincide in reality but not
+            as straight facets.
+        search_distance: The largest distance at which points of the surfaces are paired (length), by default the
+            smaller body's size.
+        quadrature: The points at which the law is evaluated: "gauss" (the default), Gauss points; "mortar" (the default
+            of hard contact), the nodes of one surface, that of the softer body or else of the coarser facets; "facet",
+            one per facet; "vertex", the vertices of facets that match.
+        quadrature_degree: The degree of exactness, by default twice the elements' degree.
+        name: The name, by default "first–second" by the bodies' names.
 
     Raises:
-        TypeError, ValueError: An argument is not what is described here.
+        TypeError, ValueError: An argument is not what is described here; the bodies differ in dimension; the quadrature
+            does not suit hard contact or bodies of revolution.
+
+    Example:
+        >>> import contactdd as cd
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.3), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower, upper = cd.Body("lower", mesh, steel), cd.Body("upper", mesh.moved((0, 1)), steel)
+        >>> cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4), gap=lambda x: 0.01 * (x[0] - 1) ** 2)
+        Contact('lower–upper': lower.top and upper.bottom, LinearLayer(stiffness=10000.0))
     """
 
     def __init__(
@@ -81,7 +91,7 @@ class Contact:
             raise ValueError(
                 f"quadrature = {quadrature!r} with a hard contact: its pressure would waver; expected 'mortar'"
             )
-        if bodies[0].kinematics.ring and not RULES[quadrature].rings:
+        if bodies[0].kinematics.axisymmetric and not RULES[quadrature].rings:
             raise ValueError(
                 f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
                 f"expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"
@@ -97,7 +107,7 @@ class Contact:
 
     @property
     def reach(self) -> float:
-        """How far apart partners may be."""
+        """The largest distance at which points of the surfaces are paired (length)."""
         return self.search_distance or min(body.mesh.size for body, _ in self.sides if body.mesh is not None)
 
     def resampled(self, degree: int) -> Contact:
@@ -110,21 +120,14 @@ class Contact:
         other.quadrature, other.quadrature_degree = "gauss", degree
         return other
 
-    def at(self, x: np.ndarray) -> Contact:
-        """The same contact with the layer that it has at the points x (dim, n); itself, where that doesn't vary."""
-        if isinstance(self.layer, HardContact):
-            return self
-        layer = self.layer.at(x)
-        return self if layer is self.layer else self.with_law(layer)
-
     def with_layer(self, layer: Layer | HardContact) -> Contact:
         """The same contact with another layer.
 
         Args:
-            layer: The new law, or `HardContact()` if the quadrature is "mortar".
+            layer: The new law, or `HardContact()`.
 
         Raises:
-            TypeError, ValueError: It is none, or the quadrature does not suit it.
+            TypeError, ValueError: It is no layer, or hard contact with another quadrature than "mortar".
         """
         _check_layer(layer)
         if isinstance(layer, HardContact) and not RULES[self.quadrature].of_nodes:
@@ -132,20 +135,12 @@ class Contact:
                 f"layer = {layer!r} in contact {self.name!r} with quadrature = {self.quadrature!r}: the pressure would "
                 "waver; expected a contact with quadrature='mortar'"
             )
-        return self.with_law(layer)
-
-    def with_law(self, layer: Layer | HardContact) -> Contact:
-        """The same contact with a layer that fits it.
-
-        Args:
-            layer: The new law, not checked.
-        """
         other = copy(self)
         other.layer = layer
         return other
 
     def frozen(self) -> Contact:
-        """The contact with the gap that it has now, whatever becomes of a parameter in it."""
+        """The same contact with its present gap, detached from later changes of a parameter."""
         other = copy(self)
         other.gap = current(self.gap)
         return other

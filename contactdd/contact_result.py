@@ -1,4 +1,4 @@
-"""What a solve tells of one contact, at its points: pressures, gaps and their resultants, as plain arrays."""
+"""Pressures and gaps of one contact at its points and their resultants, as plain arrays."""
 
 from __future__ import annotations
 
@@ -20,33 +20,42 @@ from .base.table import frame, vector_columns, write_csv
 
 @dataclass(frozen=True)
 class ContactResult:
-    """The contact quantities at the n points of a contact.
+    """The gaps and pressures at the n points of a contact.
 
     Lengths, stresses and forces are in the user's own units. Integrals are per unit thickness in the plane and over
     the full ring between bodies of revolution.
 
-    Args:
-        x: (n, dim) the points, on the first body's surface.
-        normal: (n, dim) outward unit normals of the first body.
-        weights: (n,) the area that each point stands for.
-        gap: (n,) the deformed gap z = d − u_αn − u_βn, eq. (14) (length).
-        compression: (n,) of the layer, w = min(z, 0) (length).
-        pressure: (n,) the contact pressure −σ_n >= 0 (stress).
-        unpaired_area: the area of either surface that lies opposite nothing and is therefore outside the contact.
-        initial_gap: (n,) the gap d before deformation (length).
-        corners: (facets, corners, dim) of the first body's contact surface, in order around each facet.
-        ring: whether the bodies are bodies of revolution, x[:, 0] the radius.
-        pointwise_pressure: (n,) the law at the points, −g(w), whatever `pressure` is (stress).
-        projected_pressure: (n,) the law's pressure, L²-projected onto the linear functions of the nodes of one surface,
+    Attributes:
+        x: (n, dim) The points, on the first body's surface (length).
+        normal: (n, dim) The outward unit normals of the first body.
+        weights: (n,) The area of each point, so that weights @ f is the integral of f (area).
+        gap: (n,) The deformed gap z = d − u_αn − u_βn, eq. (14) (length).
+        compression: (n,) The compression of the layer, w = min(z, 0) (length).
+        pressure: (n,) The contact pressure −σ_n >= 0 (stress).
+        unpaired_area: The area of either surface that lies opposite nothing and is therefore outside the contact.
+        initial_gap: (n,) The gap d before deformation (length).
+        corners: (facets, corners, dim) The corners of the first body's contact surface, in order around each facet.
+        ring: Whether the bodies are bodies of revolution, x[:, 0] the radius.
+        pointwise_pressure: (n,) The law at the points, −g(w), whatever `pressure` is (stress).
+        projected_pressure: (n,) The law's pressure, L²-projected onto the linear functions of the nodes of one surface,
             that of the softer body or else of the coarser facets (stress). All forces and moments are the same; near
             the edge of contact it may be a little below zero. With the quadrature "mortar" it is the pressure itself.
-        node_x: (m, dim) the nodes of that surface.
-        nodal_pressure: (m,) the same pressure there; it is linear in between (stress).
-        stiffness_ratio: k h/E, how much stiffer the layer is where it presses than the softer body's facets.
-        wavers: whether the law's pressure wavers from point to point around the right mean, as under a layer much
+        node_x: (m, dim) The nodes of that surface (length).
+        nodal_pressure: (m,) The projected pressure at these nodes, linear in between (stress).
+        stiffness_ratio: k h/E, the layer's stiffness where it presses, relative to that of the softer body's facets.
+        wavers: Whether the law's pressure wavers from point to point around the right mean, as under a layer much
             stiffer than the elements on meshes that do not match. `pressure` is the projected one then, and the repr
             says so.
-        hard: whether there is no layer; `compression` is then the penetration that is left.
+        hard: Whether there is no layer; `compression` is then the remaining penetration.
+
+    Example:
+        >>> import contactdd as cd
+        >>> gap, up = np.array([-0.2, 0.1]), np.array([[0.0, 1.0], [0.0, 1.0]])
+        >>> pressure = -cd.LinearLayer(50.0).contact_stress(gap)
+        >>> x, areas = np.array([[0.0, 1.0], [1.0, 1.0]]), np.ones(2)
+        >>> result = cd.ContactResult(x, up, areas, gap, np.minimum(gap, 0.0), pressure)
+        >>> result.force, result.area, result.force_vector
+        (10.0, 1.0, array([  0., -10.]))
     """
 
     x: Floats
@@ -75,36 +84,36 @@ class ContactResult:
 
     @property
     def closed(self) -> NDArray[np.bool_]:
-        """Where the layer is compressed, or a hard contact carries pressure, (n,)."""
+        """The mask (n,) of the points where the layer is compressed, or a hard contact carries pressure."""
         return self.pressure > 0.0 if self.hard else self.gap < 0.0
 
     @property
     def penetration(self) -> float:
-        """The largest overlap of the surfaces (length): of a hard contact what is left of it, else of the layer."""
+        """The largest overlap of the surfaces (length): of the layer, or what is left of it in a hard contact."""
         return max(0.0, -float(self.gap.min()))
 
     @property
     def force(self) -> float:
-        """The contact force ∫ p ds."""
+        """The contact force ∫ p ds (force)."""
         return float(self.weights @ self.pressure)
 
     @property
     def force_vector(self) -> Floats:
-        """The resultant −∫ p n ds of the contact pressure on the first body, (dim,).
+        """The resultant −∫ p n ds of the contact pressure on the first body, (dim,) (force).
 
-        On the second body it is the opposite. Around a ring radial tractions sum to zero.
+        That on the second body is the opposite. Around a ring radial tractions sum to zero.
         """
         total = -(self.weights * self.pressure) @ self.normal
         return total * [0.0, 1.0] if self.ring else total
 
     @property
     def area(self) -> float:
-        """The real contact area: where the layer is compressed."""
+        """The real contact area, of the points where the layer is compressed (area)."""
         return float(self.weights[self.closed].sum())
 
     @property
     def nominal_area(self) -> float:
-        """The area of the possible contact zone S_αβ."""
+        """The area of the possible contact zone S_αβ (area)."""
         return float(self.weights.sum())
 
     @property
@@ -119,30 +128,34 @@ class ContactResult:
 
     @property
     def mean_approach(self) -> float:
-        """The mean of u_αn + u_βn = d − z over the nominal area: how far the surfaces have come together (length)."""
+        """The mean normal approach of the surfaces u_αn + u_βn = d − z over the nominal area (length)."""
         return float(self.weights @ self.approach / self.nominal_area)
 
     @property
     def approach(self) -> Floats:
-        """u_αn + u_βn at the points, (n,): how far the surfaces have come together (length)."""
+        """The normal approach of the surfaces u_αn + u_βn at the points, (n,) (length)."""
         return self._known("initial_gap", self.initial_gap) - self.gap
 
     @property
     def centre_of_pressure(self) -> Floats:
-        """∫ p x ds / ∫ p ds, (dim,), on the axis for a ring; not a number where nothing touches."""
+        """The centre of pressure ∫ p x ds / ∫ p ds, (dim,) (length).
+
+        It is on the axis for a ring, and not a number where nothing touches.
+        """
         if self.force == 0.0:
             return np.full(self.x.shape[1], np.nan)
-        centre = (self.weights * self.pressure) @ self.x / self.force
+        centre = np.asarray((self.weights * self.pressure) @ self.x / self.force)
         return centre * np.array([0.0, 1.0]) if self.ring else centre
 
     def moment(self, about: ArrayLike = 0.0) -> float | Floats:
         """The moment −∫ (x − x₀) × n p ds of the contact pressure on the first body about a point.
 
         Args:
-            about: x₀, (dim,), or one number for all its coordinates.
+            about: x₀, (dim,), or one number for all its coordinates (length).
 
         Returns:
-            The moment about the axis z in the plane, (3,) in space; zero for a ring, which is pressed all round.
+            The moment about the axis z in the plane, (3,) in space (force · length); zero for a ring, whose pressures
+            balance.
         """
         arms = self.x - as_floats("about", about, f"{self.x.shape[1]} numbers")
         forces = -(self.weights * self.pressure)[:, None] * self.normal
@@ -168,7 +181,7 @@ class ContactResult:
 
     @property
     def edge(self) -> Floats:
-        """Where contact begins and ends along the surface, (k, dim): the zeros of z between points; in the plane only.
+        """The points (k, dim) where contact begins and ends: the zeros of z between points; in the plane only.
 
         Contact that reaches the end of the surface has no edge there.
         """
@@ -182,15 +195,15 @@ class ContactResult:
         """The gap, the compression and the pressure at other points of the surface, interpolated linearly.
 
         Args:
-            points: (m, dim), on or near the contact surface; the nearest point of it counts.
+            points: (m, dim) Points on or near the contact surface (length); the nearest point of it counts.
 
         Returns:
             {"gap", "compression", "pressure"}: (m,) each. Between the last point and the surface's end it is the
             last point's value.
 
         Raises:
-            ValueError: for points farther from the surface than its facets are large, and in space where the surface
-                bends back over itself, so that no plane shows it all.
+            ValueError: Points are farther from the surface than its facets are large, or, in space, the surface bends
+                back over itself, so that it has no single-valued projection onto a plane.
         """
         dim = self.x.shape[1]
         wanted = as_floats("points", points, f"coordinates of shape (m, {dim})")
@@ -201,7 +214,7 @@ class ContactResult:
         return self._along(wanted, values) if dim == 2 else self._across(wanted, values)
 
     def columns(self) -> dict[str, Any]:
-        """The result as columns by name, in the order of `sorted`: what `frame` and `to_csv` hold."""
+        """The result as columns by name, in the order of `sorted`, those of `frame` and `to_csv`."""
         own = self.sorted() if self.x.shape[1] == 3 or self.corners is not None else self
         table = vector_columns("", own.x)
         if own.x.shape[1] == 2 and own.corners is not None:
@@ -217,14 +230,18 @@ class ContactResult:
         }
 
     def frame(self) -> Any:
-        """The result as a pandas DataFrame, one row per point. Raises ImportError where pandas is not installed."""
+        """The result as a pandas DataFrame, one row per point.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
         return frame(self.columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """The CSV file written, one line per point; the numbers read back are the same to the last digit.
 
         Args:
-            path: of the file.
+            path: The path of the file.
         """
         return write_csv(path, self.columns())
 
@@ -239,7 +256,7 @@ class ContactResult:
 
     @property
     def _note(self) -> str:
-        """What there is to be told of how well the result is known."""
+        """A remark on the accuracy of the result, for its text; empty if there is none."""
         if self.hard:
             return f", penetration {self.penetration:.3g}"
         if not self.wavers:
@@ -251,7 +268,7 @@ class ContactResult:
 
     @property
     def _opening(self) -> Floats:
-        """What changes its sign at the edge of contact: the gap, of a hard contact also the pressure, both to scale."""
+        """A field (n,) with a change of sign at the edge of contact: the gap; in a hard contact less the pressure."""
         if not self.hard:
             return self.gap
         gap, pressure = np.where(self.closed, 0.0, np.maximum(self.gap, 0.0)), self.pressure

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from .base import compat
 from .base.arrays import Floats
+from .base.basis import quadrature_rule
 from .base.facets import facet_type, surface_points
 from .base.isometry import Isometry
 from .kinematics import Kinematics
@@ -100,7 +101,7 @@ class Elements:
         if len(entities) == 0:
             raise ValueError(f"surface = {surface!r} of body {self.name!r}: it has no facets")
         degree = self.area_metadata["quadrature_degree"]
-        points, weights = map(np.asarray, basix.make_quadrature(facet_type(self.domain), degree))
+        points, weights = quadrature_rule(facet_type(self.domain), degree)
         at = surface_points(self.domain, entities, points)
         return float(np.sum(np.tile(weights, len(entities)) * at.area * self.kinematics.weight(at.x.T)))
 

@@ -6,17 +6,31 @@ from typing import Any
 
 
 class ContactError(Exception):
-    """The base of the errors that a run of the solver can end in."""
+    """The base class of the errors that end a run of the solver.
+
+    Example:
+        >>> import contactdd as cd
+        >>> issubclass(cd.NotConvergedError, cd.ContactError)
+        True
+    """
 
 
 class ContactWarning(UserWarning):
-    """A result that is right for the discretised scene and may not be for the one that was meant."""
+    """The base class of warnings of results that solve the discretised scene, but perhaps not the scene meant."""
 
 
 class LooseBodyError(ContactError):
     """A body that neither its supports nor the active contact hold.
 
-    Attributes: `body`, its name; `motion`, the free rigid motion in words; `advice`, the end of the message.
+    Attributes:
+        body: The name of the body.
+        motion: The free rigid motion in words.
+        advice: The end of the message.
+
+    Example:
+        >>> import contactdd as cd
+        >>> cd.LooseBodyError("block", "the translation along x").motion
+        'the translation along x'
     """
 
     def __init__(self, body: str, motion: str, advice: str = "") -> None:
@@ -34,7 +48,10 @@ class LooseBodyError(ContactError):
 class NotConvergedError(ContactError):
     """A run that ended without a solution.
 
-    Attributes: `status` and `reason`, and `solution`, the last state with its history (None in a pickled copy).
+    Attributes:
+        status: "iteration limit", "stalled", "diverged" or "no equilibrium".
+        reason: The reason of that, in words.
+        solution: The `Solution` of the last iterate with its history; None in a pickled copy.
     """
 
     def __init__(self, status: str, reason: str, solution: Any) -> None:
@@ -50,7 +67,12 @@ class NotConvergedError(ContactError):
 class NoEquilibriumError(NotConvergedError):
     """A scene without equilibrium: the loads move a body for ever.
 
-    Attributes: `body`, its name; `motion`, in words; `status`, `reason` and `solution`, the last state.
+    Attributes:
+        body: The name of the body.
+        motion: The rigid motion in words.
+        status: "no equilibrium".
+        reason: The reason of that, in words.
+        solution: The `Solution` of the last iterate with its history; None in a pickled copy.
     """
 
     def __init__(self, body: str, motion: str, solution: Any, advice: str = "") -> None:
@@ -77,4 +99,4 @@ class MeshMismatchError(ContactError, ValueError):
 
 
 class LargeStrainWarning(ContactWarning):
-    """Strains or rotations of a solution are so large that linear theory, and with it the solution, is doubtful."""
+    """A solution whose strains or rotations are so large that linear theory, and with it the solution, is doubtful."""

@@ -11,7 +11,7 @@ both agree. Where they do, p > 0 means z = 0 and p = 0 means z ≥ 0, whatever k
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from .base.checks import positive
 from .layer import LinearLayer
@@ -51,21 +51,15 @@ class HardContact:
         if self.penalty is not None:
             object.__setattr__(self, "penalty", positive("penalty", self.penalty))
 
+    def decomposed(self) -> HardContact:
+        """The same for decomposed methods, unless the user chose k."""
+        return HardContact(DECOMPOSED_PENALTY) if self.penalty is None else self
 
-@dataclass(frozen=True)
+
 class AugmentedLayer(LinearLayer):
-    """p = k [s − z]⁺ as a law of the shifted gap z − s: what a hard contact is solved with.
-
-    given: whether the user chose k.
-    """
-
-    given: bool = False
-
-    def decomposed(self) -> AugmentedLayer:
-        """The same for decomposed methods."""
-        return self if self.given else replace(self, stiffness=self.stiffness * DECOMPOSED_PENALTY / PENALTY)
+    """p = k [s − z]⁺ as a law of the shifted gap z − s: what a hard contact is solved with."""
 
 
 def augmented_layer(contact: HardContact, facet_stiffness: float) -> AugmentedLayer:
     """The linear layer of a hard contact between surfaces whose facets have the stiffness E/h."""
-    return AugmentedLayer((contact.penalty or PENALTY) * facet_stiffness, contact.penalty is not None)
+    return AugmentedLayer((contact.penalty or PENALTY) * facet_stiffness)

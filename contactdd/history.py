@@ -19,11 +19,18 @@ from .base.table import frame, write_csv
 class Record:
     """One iteration, from u^k to u^{k+1}.
 
-    iteration: k + 1; gamma: γ^k; change: the largest over the bodies of ‖u_n^{k+1} − u_n^k‖₂ / ‖u_n^{k+1}‖₂, at the
-    nodes of the contacts where it is the stopping rule, as in the paper, else at their points;
-    residual: ‖F₁'(u^{k+1})‖ relative to the forces at work; energy: F₁(u^{k+1}); contact: the area where z^{k+1} < 0,
-    all of the iterate that it ends with; phi_min, phi_max: the range of φ^k; body_solves: solves of single bodies so
-    far; seconds: CPU time since the start; note: what the method decided.
+    Attributes:
+        iteration: k + 1.
+        gamma: γ^k, the relaxation.
+        change: The largest ‖u_n^{k+1} − u_n^k‖₂ / ‖u_n^{k+1}‖₂ of any body: at the nodes of the contacts where this is
+            the stopping rule, as in the paper, else at their points.
+        residual: ‖F₁'(u^{k+1})‖ relative to the forces at work.
+        energy: F₁(u^{k+1}), eq. (13) (force · length).
+        contact: The area where z^{k+1} < 0 (length per unit thickness in the plane).
+        phi_min, phi_max: The range of φ^k over the points (stress / length).
+        body_solves: The number of solves of single bodies so far.
+        seconds: CPU time since the start of the run (s).
+        note: The method's decisions in words, such as the linear solver that it chose.
     """
 
     iteration: int
@@ -43,7 +50,15 @@ COLUMNS = tuple(field.name for field in fields(Record))
 
 
 class History:
-    """The records of a run; each column is an attribute: `history.change` is an array (iterations,)."""
+    """The records of a run; each column is an attribute: `history.change` is an array (iterations,).
+
+    Example:
+        >>> import contactdd as cd
+        >>> history = cd.History()
+        >>> history.append(cd.Record(1, 1.0, 0.5, 1e-3, -2.0, 1.0, 0.0, 50.0, 2, 0.01))
+        >>> history.residual
+        array([0.001])
+    """
 
     def __init__(self) -> None:
         self._records: list[Record] = []
@@ -52,7 +67,7 @@ class History:
         """Add an iteration.
 
         Args:
-            record: of it.
+            record: The record of the iteration.
         """
         self._records.append(record)
 
@@ -71,18 +86,22 @@ class History:
         return np.array([getattr(record, name) for record in self._records])
 
     def columns(self) -> dict[str, Any]:
-        """The records as columns by name: what `frame` and `to_csv` hold."""
+        """The records as columns by name, those of `frame` and `to_csv`."""
         return {name: [getattr(record, name) for record in self._records] for name in COLUMNS}
 
     def frame(self) -> Any:
-        """The history as a pandas DataFrame, one row per iteration. Raises ImportError where pandas is missing."""
+        """The history as a pandas DataFrame, one row per iteration.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
         return frame(self.columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """The CSV file written, one line per iteration.
 
         Args:
-            path: of the file.
+            path: The path of the file.
         """
         return write_csv(path, self.columns())
 
@@ -91,7 +110,7 @@ class History:
 
         Args:
             quantity: "residual" or "change".
-            path: where it is also saved.
+            path: The path of a file to save the figure in, too.
         """
         from .view.convergence_plot import plot_convergence
 
@@ -101,7 +120,7 @@ class History:
         """The iterations as text.
 
         Args:
-            last: how many of the last; by default all.
+            last: The number of the last iterations to print; by default all.
         """
         rows = self._records if last is None else self._records[-last:]
         head = " ".join(f"{name:>11}" for name in COLUMNS)

@@ -1,7 +1,7 @@
-"""Which strains a body can have: plane strain, plane stress, a body of revolution or a solid in space.
+"""Kinds of deformation: plane strain, plane stress, a body of revolution or a solid in space.
 
-Each kind says which of the six Voigt components take part, how the stiffness reduces to them, how they follow from the
-displacement (3), and what volume a point of the mesh stands for. Everything else in the package is the same for all.
+Each kind gives the free Voigt components of strain, the stiffness reduced to them, their relation to the displacement
+(3), and the weight of all integrals. Everything else in the package is the same for all.
 """
 
 from __future__ import annotations
@@ -21,26 +21,42 @@ STRESSES = ("xx", "yy", "zz", "yz", "xz", "xy")
 
 @dataclass(frozen=True)
 class Kinematics:
-    """A kind of deformation: its name, its dimension, the Voigt components of strain that are free, whether the other
-    stresses (not the other strains) vanish, and whether every point of the mesh is a ring.
+    """A kind of deformation.
 
-    On a mesh of rings x is the radius r, y the axial and z the hoop direction: the stress "zz" is the hoop stress.
+    In a body of revolution x is the radius r, y the axial and z the hoop direction: the stress "zz" is the hoop stress.
+
+    Attributes:
+        name: "plane strain", "plane stress", "axisymmetric" or "solid".
+        dim: The dimension of the mesh.
+        components: The Voigt components of strain that are free.
+        plane_stress: Whether the other stresses (not the other strains) vanish.
+        axisymmetric: Whether every point of the mesh stands for a ring.
     """
 
     name: str
     dim: int
     components: tuple[int, ...]
-    stress_free: bool = False
-    ring: bool = False
+    plane_stress: bool = False
+    axisymmetric: bool = False
+
+    @property
+    def ring(self) -> bool:
+        """The old name of `axisymmetric`."""
+        return self.axisymmetric
+
+    @property
+    def stress_free(self) -> bool:
+        """The old name of `plane_stress`."""
+        return self.plane_stress
 
     def reduce(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
         """The stiffness between the free components, from the full (..., 6, 6) one.
 
-        The other strains vanish, or, where `stress_free`, they adjust until their stresses do (static condensation).
+        The other strains vanish, or, in plane stress, they adjust until their stresses do (static condensation).
         """
         kept = list(self.components)
         block = stiffness[..., np.array(kept)[:, None], kept]
-        if not self.stress_free:
+        if not self.plane_stress:
             return block
         rest = [i for i in range(6) if i not in kept]
         coupling = stiffness[..., np.array(kept)[:, None], rest]
@@ -55,24 +71,24 @@ class Kinematics:
     def full_stress(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
         """The matrix from the free strains to all six stresses, (..., 6, free components) from (..., 6, 6)."""
         kept = list(self.components)
-        if not self.stress_free:
+        if not self.plane_stress:
             return np.ascontiguousarray(stiffness[..., kept])
         matrix = np.zeros((*stiffness.shape[:-1], len(kept)))
         matrix[..., kept, :] = self.reduce(stiffness)
         return matrix
 
     def weight(self, x: Any) -> Any:
-        """How much volume (or area) there is per unit of the mesh's own at x: 2πr on a mesh of rings, else 1.
+        """The volume (or area) per unit of the mesh's own at x: 2πr in a body of revolution, else 1.
 
         x: a UFL coordinate or an array (dim, points). Every integral of the package carries this weight, so that
         energies and forces of a body of revolution are those of the full ring.
         """
-        return 2 * np.pi * x[0] if self.ring else 1
+        return 2 * np.pi * x[0] if self.axisymmetric else 1
 
     def resultant(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The sum (dim,) of nodal forces (nodes, dim); what acts radially on a ring sums to zero around it."""
+        """The sum (dim,) of nodal forces (nodes, dim); radial forces on a ring sum to zero around it."""
         total = forces.sum(axis=0)
-        if self.ring:
+        if self.axisymmetric:
             total[0] = 0.0
         return total
 
@@ -93,15 +109,15 @@ class Kinematics:
         Translations first, then rotations about the centre of the points, made of the order one by their size. A ring
         can only move along its axis.
         """
-        if self.ring:
+        if self.axisymmetric:
             return np.tile([[0.0], [1.0]], (len(x), 1, 1))
         return self.mesh_motions(x)
 
     def mesh_motions(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """Displacements of the rigid motions of the mesh alone at points x (n, 3), shape (n, dim, modes).
 
-        On a mesh of rings all but the one along the axis strain the rings, but only by the order of u_r/r: within a
-        cell they are smooth, and that is what multigrid has to know as nearly free of stress.
+        In a body of revolution all but the one along the axis cause strains, but only of the order of u_r/r: within a
+        cell they are smooth, and multigrid needs them as nearly free of stress.
         """
         centred = x[:, : self.dim] - x[:, : self.dim].mean(axis=0)
         centred /= max(np.abs(centred).max(initial=0.0), np.finfo(float).tiny)
@@ -113,14 +129,14 @@ class Kinematics:
         return modes
 
     def mirrored_modes(self, signs: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What the modes of a body's copy are times, (modes,), if its displacement components are times `signs`."""
+        """The signs (modes,) of the modes of a body's copy whose displacement components have the signs `signs`."""
         if self.dim == 2:
             return np.array([*signs, signs[1] * signs[0]])
         return np.array([*signs, signs[2] * signs[1], signs[0] * signs[2], signs[1] * signs[0]])
 
     def describe(self, mode: NDArray[np.float64]) -> str:
         """A rigid motion, given by its coefficients in `rigid_modes`, in words."""
-        if self.ring:
+        if self.axisymmetric:
             return "translation along the axis"
         axes = "xyz"[: self.dim]
         names = [f"translation along {axis}" for axis in axes]
@@ -133,8 +149,8 @@ KINEMATICS = {
     kind.name: kind
     for kind in (
         Kinematics("plane strain", 2, (0, 1, 5)),
-        Kinematics("plane stress", 2, (0, 1, 5), stress_free=True),
-        Kinematics("axisymmetric", 2, (0, 1, 2, 5), ring=True),
+        Kinematics("plane stress", 2, (0, 1, 5), plane_stress=True),
+        Kinematics("axisymmetric", 2, (0, 1, 2, 5), axisymmetric=True),
         Kinematics("solid", 3, (0, 1, 2, 3, 4, 5)),
     )
 }

@@ -29,24 +29,39 @@ from .base.checks import as_bool, finite, positive, positive_values
 class Layer(ABC):
     """A layer law: σ_n = g(w) with g(0) = 0 and g strictly increasing, eq. (7).
 
-    A subclass gives five functions of the magnitudes c = -w ≥ 0, compression, and p = -g(w) ≥ 0, pressure.
+    A subclass gives five functions of the magnitudes c = -w ≥ 0, compression, and p = -g(w) ≥ 0, pressure:
+    `_pressure`, `_slope`, `_secant`, `_energy` and `_depth`.
 
-    clearance: the distance of the surfaces at which the law begins (length, 0 for most): a contact takes it off its
-    gap, so that z = 0 is where the pressure begins; compression_limit: the compression up to which the law is known
-    (length, inf for most): beyond a table's end or just before a pole it goes on straight, and a solution that has
-    passed it says so.
+    Example:
+        >>> import contactdd as cd
+        >>> layer = cd.PowerLayer(B=0.5, a=1.0)
+        >>> layer.contact_stress([-2.0, 1.0]), layer.energy(-2.0), layer.divided_difference(-2.0, 2.0)
+        (array([-4.,  0.]), array(4.), array(1.))
     """
 
     @property
     def clearance(self) -> float | Floats:
+        """The distance of the surfaces at which the law begins (length), 0 for most laws.
+
+        A contact subtracts it from its gap, so that the pressure begins at z = 0.
+        """
         return 0.0
 
     @property
     def compression_limit(self) -> float | Floats:
+        """The compression up to which the law is known (length), inf for most laws.
+
+        Beyond a table's end, or just before a pole, the law goes on straight; a solution that has passed this limit
+        says so.
+        """
         return math.inf
 
     def at(self, x: Floats) -> Layer:
-        """The law at points x (dim, n) of a contact: itself, where it is the same everywhere."""
+        """The law at points of a contact: itself, where it is the same everywhere.
+
+        Args:
+            x: (dim, n) The coordinates of the points (length).
+        """
         return self
 
     def _among(self, chosen: NDArray[np.bool_]) -> Layer:
@@ -74,32 +89,54 @@ class Layer(ABC):
         """The compression c with p(c) = p."""
 
     def stress(self, w: ArrayLike) -> Floats:
-        """g(w) for every w (stress)."""
+        """The stress g(w) for every w (stress).
+
+        Args:
+            w: The compressions, negative in compression (length).
+        """
         w = np.asarray(w, dtype=float)
         return np.asarray(np.copysign(self._pressure(np.abs(w)), w))
 
     def derivative(self, w: ArrayLike) -> Floats:
-        """g'(w) of the law itself (stress / length); may be 0 or inf at w = 0."""
+        """The derivative g'(w) of the law itself (stress / length), which may be 0 or inf at w = 0.
+
+        Args:
+            w: The compressions, negative in compression (length).
+        """
         return np.asarray(self._slope(np.abs(np.asarray(w, dtype=float))))
 
     def contact_stress(self, z: ArrayLike) -> Floats:
-        """g⁻(z), the contact stress at the gap z: g(z) where z < 0, else 0 (stress, ≤ 0), eq. (14)."""
+        """The contact stress g⁻(z): g(z) where z < 0, else 0 (stress, ≤ 0), eq. (14).
+
+        Args:
+            z: The gaps (length).
+        """
         z = np.asarray(z, dtype=float)
         return np.asarray(0.0 - self._pressure(np.maximum(-z, 0.0)))  # p(0) = 0; less it, not minus it: no -0
 
     def contact_derivative(self, z: ArrayLike) -> Floats:
-        """χ g'(z), χ = 1 where z < 0, else 0 (stress / length, ≥ 0), eqs (17)-(19)."""
+        """The derivative χ g'(z) of the contact stress, χ = 1 where z < 0, else 0 (stress / length, ≥ 0), (17)-(19).
+
+        Args:
+            z: The gaps (length).
+        """
         return self._where_closed(z, lambda law, c: law._slope(c))
 
     def energy(self, z: ArrayLike) -> Floats:
-        """The integral of g⁻ from 0 to z, the density of J (stress · length, ≥ 0); 0 where z ≥ 0."""
+        """The integral of g⁻ from 0 to z, the density of J (stress · length, ≥ 0); 0 where z ≥ 0.
+
+        Args:
+            z: The gaps (length).
+        """
         return self._where_closed(z, lambda law, c: law._energy(c))
 
     def divided_difference(self, y: ArrayLike, z: ArrayLike) -> Floats:
-        """[g⁻(y) - g⁻(z)] / (y - z) of eqs (26), (27), (32), (36) (stress / length, ≥ 0).
+        """The divided difference [g⁻(y) - g⁻(z)] / (y - z) of (26), (27), (32), (36) (stress / length, ≥ 0).
 
-        Free of cancellation: as y → z it tends to χ g'(z), which is also the value at y = z. Symmetric
-        to the last bit. `y` and `z` broadcast.
+        Free of cancellation: as y → z it tends to χ g'(z), which is also the value at y = z. Symmetric to the last bit.
+
+        Args:
+            y, z: The gaps (length), which broadcast.
         """
         y, z = np.asarray(y, dtype=float), np.asarray(z, dtype=float)
         low, high = np.minimum(y, z), np.maximum(y, z)
@@ -113,9 +150,13 @@ class Layer(ABC):
         return quotient
 
     def compression(self, stress: ArrayLike) -> Floats:
-        """The w ≤ 0 with g(w) = stress (length).
+        """The compression w ≤ 0 with g(w) = stress (length).
 
-        Raises ValueError if a stress is positive: a layer carries no tension.
+        Args:
+            stress: The contact stresses, ≤ 0 (stress).
+
+        Raises:
+            ValueError: A stress is positive: a layer carries no tension.
         """
         stress = np.asarray(stress, dtype=float)
         if np.any(stress > 0):
@@ -133,14 +174,21 @@ class Layer(ABC):
 
 @dataclass(frozen=True)
 class PowerLayer(Layer):
-    """The paper's layer g(w) = B^(-1/a) sgn(w) |w|^(1/a), that is |w| = B |σ_n|^a.
+    """The paper's layer g(w) = B^(-1/a) sgn(w) ``|w|``^(1/a), that is ``|w| = B |σ_n|^a``, eqs (8) and (10).
 
-    B > 0 has the unit length / stress^a; a > 0 has none. g'(0) is infinite for a > 1, 1/B for a = 1
-    and 0 for a < 1. Raises TypeError or ValueError if B or a isn't a positive finite number.
+    g'(0) is infinite for a > 1, 1/B for a = 1 and 0 for a < 1.
 
-    >>> layer = PowerLayer(B=4e-6, a=1.1)
-    >>> print(f"{layer.compression(-10.0):.4e}")
-    -5.0357e-05
+    Args:
+        B: The compliance B > 0 (length / stress^a).
+        a: The exponent a > 0 (no unit).
+
+    Raises:
+        TypeError, ValueError: An argument is no positive finite number.
+
+    Example:
+        >>> layer = PowerLayer(B=4e-6, a=1.1)
+        >>> print(f"{layer.compression(-10.0):.4e}")
+        -5.0357e-05
     """
 
     B: float
@@ -150,25 +198,26 @@ class PowerLayer(Layer):
     def machined_joint(
         cls, c: float, m: float, *, micrometre: float = 1e-3, newton_per_square_millimetre: float = 1.0
     ) -> PowerLayer:
-        """The layer of a machined joint by its approach λ = c pᵐ, λ in µm and p in N/mm² as that literature has it.
+        """The layer of a machined joint from its approach λ = c pᵐ, λ in µm and p in N/mm² as in that literature.
+
+        Source: N. Back, M. Burdekin, A. Cowley, Review of the research on fixed and sliding joints, Proc. 13th MTDR
+        Conf. (1973). Older tables have p in kgf/cm²: c there times (1/0.0980665)ᵐ is c here.
 
         Args:
             c: The joint's compliance, µm / (N/mm²)ᵐ; some 0.2 to 3 for ground, scraped and milled surfaces.
             m: Its exponent, about 0.5.
-            micrometre: What 1 µm is in your unit of length: 1e-3 by default, mm.
-            newton_per_square_millimetre: What 1 N/mm² is in your unit of stress, 1 by default.
+            micrometre: 1 µm in your unit of length, 1e-3 (mm) by default.
+            newton_per_square_millimetre: 1 N/mm² in your unit of stress, 1 by default.
 
         Returns:
             The power law B = c · µm / (N/mm²)ᵐ, a = m in your units.
 
         Raises:
-            TypeError, ValueError: If an argument isn't a positive finite number.
+            TypeError, ValueError: An argument is no positive finite number.
 
-        Source: N. Back, M. Burdekin, A. Cowley, Review of the research on fixed and sliding joints, Proc. 13th MTDR
-        Conf. (1973). Older tables have p in kgf/cm²: c there times (1/0.0980665)ᵐ is c here.
-
-        >>> PowerLayer.machined_joint(c=0.6, m=0.5).compression(-4.0)  # mm at 4 N/mm²
-        array(-0.0012)
+        Example:
+            >>> PowerLayer.machined_joint(c=0.6, m=0.5).compression(-4.0)  # mm at 4 N/mm²
+            array(-0.0012)
         """
         c, m = positive("c", c), positive("m", m)
         length = positive("micrometre", micrometre)
@@ -209,25 +258,33 @@ class PowerLayer(Layer):
 
 @dataclass(frozen=True)
 class LinearLayer(Layer):
-    """The linear layer g(w) = stiffness · w (stiffness > 0, stress / length).
+    """The linear layer g(w) = stiffness · w.
 
     With a stiffness well above that of the bodies it is the usual penalty law for contact without layers.
-    Raises TypeError or ValueError if the stiffness isn't a positive finite number.
 
-    >>> LinearLayer(stiffness=2.0).contact_stress([-3.0, 3.0])
-    array([-6.,  0.])
+    Args:
+        stiffness: The stiffness > 0 (stress / length).
+
+    Raises:
+        TypeError, ValueError: The stiffness is no positive finite number.
+
+    Example:
+        >>> LinearLayer(stiffness=2.0).contact_stress([-3.0, 3.0])
+        array([-6.,  0.])
     """
 
     stiffness: float
 
     @classmethod
     def elastic_foundation(cls, E: float, nu: float, thickness: float, *, bonded: bool = True) -> LinearLayer:
-        """The layer that a thin elastic sheet on a rigid base makes: p = M |w| / h.
+        """The layer of a thin elastic sheet on a rigid base: p = M c / h.
 
         M = E (1 - ν) / [(1 + ν)(1 - 2ν)] where the sheet is bonded to its base, E / (1 - ν²) where it slides on it
         (plane strain). It holds where pressures vary over lengths much above h, and for a bonded sheet that is nearly
         incompressible above h √(M/μ), μ its shear modulus: there it bulges sideways instead, and for ν → ½ its
         pressure follows the curvature of the indentation, which no Winkler law does.
+
+        Source: K. L. Johnson, Contact Mechanics (1985), section 5.8.
 
         Args:
             E: Young's modulus (stress).
@@ -239,15 +296,14 @@ class LinearLayer(Layer):
             The linear layer of the stiffness M / h.
 
         Raises:
-            TypeError, ValueError: If E or thickness isn't a positive number, or nu is out of its range.
+            TypeError, ValueError: E or thickness is no positive number, or nu is out of its range.
 
         Warns:
-            UserWarning: If the sheet is bonded and ν > 0.45.
+            UserWarning: The sheet is bonded and ν > 0.45.
 
-        Source: K. L. Johnson, Contact Mechanics (1985), section 5.8.
-
-        >>> round(LinearLayer.elastic_foundation(E=10.0, nu=0.25, thickness=2.0).stiffness, 12)
-        6.0
+        Example:
+            >>> round(LinearLayer.elastic_foundation(E=10.0, nu=0.25, thickness=2.0).stiffness, 12)
+            6.0
         """
         E, thickness = positive("E", E), positive("thickness", thickness)
         modulus = _sheet_modulus(E, finite("nu", nu), as_bool("bonded", bonded))
@@ -276,7 +332,7 @@ class LinearLayer(Layer):
         return 0.5 * self.stiffness * c**2
 
     def _depth(self, p: Floats) -> Floats:
-        return p / self.stiffness
+        return np.asarray(p / self.stiffness)
 
 
 def _sheet_modulus(E: float, nu: float, bonded: bool) -> float:

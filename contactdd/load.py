@@ -1,4 +1,4 @@
-"""Loads: what stands in l(v) = ∫ f·v dx + ∫ p·v ds.
+"""Loads: the terms of l(v) = ∫ f·v dx + ∫ p·v ds.
 
 A value is a number, an array, a function of the coordinates x (3, points), a UFL expression or a `Parameter`.
 """
@@ -27,6 +27,10 @@ class Pressure:
 
     Raises:
         TypeError, ValueError: The value can be no pressure.
+
+    Example:
+        >>> Pressure("top", 10.0)
+        Pressure(surface='top', value=10.0)
     """
 
     surface: str
@@ -57,6 +61,10 @@ class Traction:
 
     Raises:
         TypeError, ValueError: The value can be no vector field.
+
+    Example:
+        >>> Traction("right", (5.0, 0.0))
+        Traction(surface='right', value=(5.0, 0.0))
     """
 
     surface: str
@@ -97,6 +105,10 @@ class BodyForce:
 
     Raises:
         TypeError, ValueError: The value can be no vector field.
+
+    Example:
+        >>> BodyForce((0.0, -7.85e-9 * 9810.0))  # the weight of steel in mm, N, s
+        BodyForce(value=(0.0, -7.700850000000001e-05))
     """
 
     value: Field
@@ -132,11 +144,15 @@ class Resultant:
 
     Args:
         surface: The name of the surface.
-        force: (dim,) per unit of thickness in the plane, that of the full ring in a body of revolution, where only an
-            axial one exists: numbers or a `Parameter`.
+        force: (dim,) The total force (force), per unit of thickness in the plane, that of the full ring in a body of
+            revolution, where only an axial one exists: numbers or a `Parameter`.
 
     Raises:
         TypeError, ValueError: The force is no vector of finite numbers.
+
+    Example:
+        >>> Resultant("top", (0.0, -100.0))
+        Resultant(surface='top', force=(0.0, -100.0))
     """
 
     surface: str
@@ -168,7 +184,7 @@ class Resultant:
         force = current(self.force)
         if callable(force) or np.shape(force) != (on.dim,) or not np.all(np.isfinite(force)):
             raise ValueError(f"force = {self.force!r}: expected {on.dim} finite numbers")
-        if on.kinematics.ring and force[0] != 0.0:
+        if on.kinematics.axisymmetric and force[0] != 0.0:
             raise ValueError(f"force = {self.force!r}: around a ring radial forces sum to zero; expected force[0] = 0")
         traction = fem.Constant(on.domain, np.asarray(force, dtype=float) / on.area(self.surface))
         return on.over_surface(ufl.dot(traction, v), self.surface, on.area_metadata)

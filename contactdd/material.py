@@ -132,6 +132,11 @@ class Orthotropic(Material):
 
     Raises:
         TypeError, ValueError: The constants are none of an elastic material.
+
+    Example:
+        >>> wood = Orthotropic(11e3, 900.0, 500.0, 0.4, 0.4, 0.5, 700.0, 700.0, 60.0)
+        >>> bool(wood.rotated(np.pi / 2).stiffness()[1, 1] > 11e3)  # along the fibres
+        True
     """
 
     E1: Number
@@ -179,6 +184,10 @@ class Anisotropic(Material):
 
     Raises:
         TypeError, ValueError: C is not symmetric or not positive definite.
+
+    Example:
+        >>> bool(np.all(Anisotropic(Isotropic(2e5, 0.3).tensor()).stiffness() == Isotropic(2e5, 0.3).stiffness()))
+        True
     """
 
     C: ArrayLike | Callable[[Floats], Any]

@@ -31,15 +31,23 @@ class Mesh:
     """A dolfinx mesh and the boundary facets of each named surface.
 
     Args:
-        domain: the dolfinx mesh (plane or solid, any cell type).
-        surfaces: {name: sorted facet indices}.
+        domain: The dolfinx mesh (plane or solid, any cell type), on one rank; coordinates are lengths.
+        surfaces: {name: sorted indices of boundary facets, (facets,)}.
         left_out: {name: why} of groups that a file has but that are no surfaces, for whoever asks for one.
 
     Raises:
-        TypeError: if `domain` is no dolfinx mesh, or facet indices are no whole numbers.
-        ValueError: for a mesh spread over several ranks, for coordinates that are not finite, for cells that are
-            degenerate, inverted or fold over their neighbours, for hanging nodes, and for a surface without facets or
-            with facets that are not there or inside the body.
+        TypeError: `domain` is no dolfinx mesh, or facet indices are no whole numbers.
+        ValueError: The mesh is spread over several ranks; coordinates are not finite; cells are degenerate, inverted or
+            folded over their neighbours; there are hanging nodes; a surface has no facets, or facets that are not there
+            or inside the body.
+
+    Example:
+        >>> import contactdd as cd
+        >>> mesh = cd.rectangle((0, 0), (2, 1), (4, 2))
+        >>> mesh
+        Mesh(16 triangles; facets left: 2, right: 2, bottom: 4, top: 4)
+        >>> mesh.moved((0, 1)).with_surfaces(corner=lambda x: (x[0] > 1.4) & (x[1] > 1.9)).facets("corner").shape
+        (1,)
     """
 
     domain: dmesh.Mesh
@@ -66,7 +74,7 @@ class Mesh:
 
     @property
     def cells(self) -> int:
-        """How many cells there are."""
+        """The number of cells."""
         return self.domain.topology.index_map(self.dim).size_local
 
     @property
@@ -78,11 +86,11 @@ class Mesh:
         """The facet indices of a named surface, sorted, (facets,).
 
         Args:
-            surface: its name.
+            surface: The name of the surface.
 
         Raises:
-            ValueError: if there is no surface of that name, with the list of those there are; or, of a group that is no
-                surface, why not.
+            ValueError: There is no surface of that name (the message lists those there are), or the group of that name
+                is no surface (the message says why).
         """
         if isinstance(surface, str) and surface in self.left_out:
             raise ValueError(f"surface = {surface!r}: {self.left_out[surface]}; expected a part of the boundary")
@@ -95,7 +103,7 @@ class Mesh:
         """The (cell, local facet) of each facet of a named surface, (facets, 2).
 
         Args:
-            surface: its name; refused as by `facets`.
+            surface: The name of the surface; refused as by `facets`.
         """
         self.facets(surface)  # refuses an unknown name
         return self._entities[surface]
@@ -109,7 +117,16 @@ class Mesh:
         return dict(zip(self.surfaces, np.split(pairs, ends[:-1]), strict=True))
 
     def with_surfaces(self, **markers: Marker) -> Mesh:
-        """The same mesh with more named surfaces, each given by a function x (3, points) -> bool of boundary facets."""
+        """The same mesh with more named surfaces.
+
+        Args:
+            markers: Name = function of coordinates x (3, points) (length) to bool (points,); the surface consists of
+                the boundary facets whose vertices are all marked.
+
+        Raises:
+            TypeError: A marker is no function.
+            ValueError: A marker returns something else, or marks no facet.
+        """
         left_out = {name: why for name, why in self.left_out.items() if name not in markers}
         mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, left_out)
         vars(mesh).update(self._pieces_known())
@@ -122,7 +139,7 @@ class Mesh:
         return pieces(compat.geometry_dofmap(self.domain)[:, :corners])
 
     def _pieces_known(self) -> dict[str, Any]:
-        """What a mesh of the same cells need not find again."""
+        """The cached properties that a mesh of the same cells can take over."""
         return {name: value for name, value in vars(self).items() if name == "piece_of_cell"}
 
     def pieces(self) -> list[Mesh]:
@@ -138,7 +155,7 @@ class Mesh:
         Both have to have the same cells, numbered alike, and the same named surfaces.
 
         Args:
-            other: the mesh whose image this one may be.
+            other: The mesh of which this one may be an image.
         """
         if not (self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)):
             return None
@@ -152,10 +169,10 @@ class Mesh:
         """A copy of the mesh elsewhere, with the same cells, facets and named surfaces.
 
         Args:
-            offset: by how much it is moved, (dim,) lengths.
+            offset: The translation, (dim,) (length).
 
         Raises:
-            ValueError: for other offsets, and for one so large that rounding would change the cells' shape.
+            ValueError: The offset is no such vector, or so large that rounding would change the cells' shape.
         """
         by = as_floats("offset", offset, f"{self.dim} finite numbers")
         if by.shape != (self.dim,) or not np.all(np.isfinite(by)):
@@ -168,15 +185,15 @@ class Mesh:
         It has the same cells, facets and named surfaces: what was on the left and is now on the right is still "left".
 
         Args:
-            axis: "x", "y" or, of a solid, "z".
-            at: where the plane crosses that axis.
+            axis: "x", "y" or, of a solid, "z": the normal of the plane.
+            at: The plane's coordinate on that axis (length).
 
         Raises:
-            ValueError: for other axes, and for a plane so far away that rounding would change the cells' shape.
+            ValueError: There is no such axis, or the plane is so far away that rounding would change the cells' shape.
         """
         axes = ("x", "y", "z")[: self.dim]
-        place = axes.index(check_choice("axis", axis, axes))
-        return self._copy(reflection(self.dim, place, finite("at", at)), f"at = {at!r}")
+        direction = axes.index(check_choice("axis", axis, axes))
+        return self._copy(reflection(self.dim, direction, finite("at", at)), f"at = {at!r}")
 
     def _copy(self, isometry: Isometry, asked: str) -> Mesh:
         """The image of the mesh, which shares its topology."""
@@ -197,7 +214,7 @@ class Mesh:
         entities: dict[str, NDArray[np.int32]],
         left_out: Mapping[str, str],
     ) -> Mesh:
-        """A mesh in which nothing has to be looked for that could be refused."""
+        """A mesh that is known to be valid, made without the checks."""
         mesh = object.__new__(cls)
         vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities, left_out=left_out)
         return mesh
@@ -228,8 +245,22 @@ def rectangle(
 ) -> Mesh:
     """A structured mesh of a rectangle with the surfaces left, right, bottom and top.
 
-    cells: along x and y, each a number of equal cells or, for a graded mesh, the coordinates of their ends; shape:
-    "triangle" (each cell cut in two along `diagonal`: "left", "right" or "crossed") or "quadrilateral".
+    Args:
+        lower_left: The corner of the smallest coordinates, (x, y) (length).
+        upper_right: The opposite corner (length).
+        cells: Along x and y, each a number of equal cells or, for a graded mesh, the coordinates of their ends.
+        shape: "triangle" or "quadrilateral".
+        diagonal: How each cell is cut into triangles: "left", "right" (in two) or "crossed" (in four).
+
+    Returns:
+        The mesh, of degree 1.
+
+    Raises:
+        TypeError, ValueError: The corners do not span a rectangle, `cells` is neither, or a choice is not listed here.
+
+    Example:
+        >>> rectangle((0, 0), (1, 1), ([0, 0.25, 1], 3), shape="quadrilateral")
+        Mesh(6 quadrilaterals; facets left: 3, right: 3, bottom: 2, top: 2)
     """
     check_choice("shape", shape, ("triangle", "quadrilateral"))
     check_choice("diagonal", diagonal, ("left", "right", "crossed"))
@@ -242,9 +273,23 @@ def rectangle(
 def box(
     lower: Sequence[float], upper: Sequence[float], cells: tuple[Cells, Cells, Cells], *, shape: str = "tetrahedron"
 ) -> Mesh:
-    """A structured mesh of a box: left/right (x), front/back (y), bottom/top (z); "tetrahedron" or "hexahedron".
+    """A structured mesh of a box with the surfaces left and right (x), front and back (y), bottom and top (z).
 
-    cells: along x, y and z, as for a `rectangle`.
+    Args:
+        lower: The corner of the smallest coordinates, (x, y, z) (length).
+        upper: The opposite corner (length).
+        cells: Along x, y and z, each a number of equal cells or the coordinates of their ends, as of a `rectangle`.
+        shape: "tetrahedron" (six in each cell) or "hexahedron".
+
+    Returns:
+        The mesh, of degree 1.
+
+    Raises:
+        TypeError, ValueError: The corners do not span a box, `cells` is neither, or `shape` is not listed here.
+
+    Example:
+        >>> box((0, 0, 0), (2, 1, 1), (2, 1, 1), shape="hexahedron")
+        Mesh(2 hexahedrons; facets left: 1, right: 1, front: 2, back: 2, bottom: 2, top: 2)
     """
     check_choice("shape", shape, ("tetrahedron", "hexahedron"))
     corners, lines = _grid(lower, upper, cells, 3)
@@ -263,15 +308,24 @@ def from_dolfinx(
     """A mesh made with dolfinx, with its boundary surfaces named.
 
     Args:
-        domain: a dolfinx mesh on one rank.
-        facet_tags: dolfinx `MeshTags` of facets.
+        domain: A dolfinx mesh on one rank.
+        facet_tags: The dolfinx `MeshTags` of facets.
         names: {name: tag, or tags} of the surfaces; by default each tag is named by its number ("2").
-        markers: more surfaces, each a function x (3, points) -> bool of boundary facets.
+        markers: More surfaces, name = function of coordinates x (3, points) to bool, as of `Mesh.with_surfaces`.
+
+    Returns:
+        The mesh. Tags of facets inside the body are left out, and refused when they are asked for.
 
     Raises:
-        TypeError: if `domain` is no dolfinx mesh or `facet_tags` no MeshTags.
-        ValueError: if a tag is not there, or for what `Mesh` refuses. Tags inside the body are kept out of the way, and
-            refused when they are asked for.
+        TypeError: `domain` is no dolfinx mesh or `facet_tags` no MeshTags.
+        ValueError: No facet has a tag, or `Mesh` refuses the mesh.
+
+    Example:
+        >>> from dolfinx.mesh import create_unit_square
+        >>> from mpi4py import MPI
+        >>> square = create_unit_square(MPI.COMM_SELF, 2, 2)
+        >>> from_dolfinx(square, bottom=lambda x: x[1] < 1e-10)
+        Mesh(8 triangles; facets bottom: 2)
     """
     if not isinstance(domain, dmesh.Mesh):
         raise TypeError(f"domain = {domain!r}: expected a dolfinx mesh")
@@ -286,28 +340,33 @@ def from_arrays(
     surfaces: Mapping[str, Integers],
     left_out: Mapping[str, str],
 ) -> Mesh:
-    """The mesh of cells (cells, nodes), their nodes at x (nodes, dim) in the order of the coordinate element.
+    """The mesh of given cells, which must be valid, with its named surfaces.
 
-    surfaces: (cell, local facet) of each facet of a named surface, (facets, 2). The cells have to be good ones.
+    Args:
+        cells: (cells, nodes) The nodes of each cell, in the order of the coordinate element.
+        x: (nodes, dim) The nodes' coordinates (length).
+        element: The coordinate element.
+        surfaces: {name: (facets, 2) the cell and local facet of each facet}.
+        left_out: {name: why} of groups that are no surfaces.
     """
     domain = compat.from_arrays(cells, np.ascontiguousarray(x), element)
     dim = domain.topology.dim
     domain.topology.create_connectivity(dim, dim - 1)
     of_cell = domain.topology.connectivity(dim, dim - 1).array.reshape(len(cells), -1)
-    places = np.argsort(domain.topology.original_cell_index)
-    facets = {name: np.unique(of_cell[places[pairs[:, 0]], pairs[:, 1]]) for name, pairs in surfaces.items()}
+    new = np.argsort(domain.topology.original_cell_index)  # dolfinx's number of each given cell
+    facets = {name: np.unique(of_cell[new[pairs[:, 0]], pairs[:, 1]]) for name, pairs in surfaces.items()}
     return Mesh(domain, facets, left_out)
 
 
 def inside_the_body(facets: int) -> str:
-    """Why a group of facets is no surface."""
+    """The reason why a group of facets inside the body is no surface."""
     return f"{facets} facets of that group are inside the body, between cells"
 
 
 def _tagged(
     domain: dmesh.Mesh, tags: Any, names: Mapping[str, int | Sequence[int]] | None
 ) -> tuple[dict[str, NDArray[np.int32]], dict[str, str]]:
-    """The surfaces that tags of facets give, and why others give none."""
+    """The surfaces given by tags of facets, and the reasons why other tags give none."""
     if tags is None:
         if names is not None:
             raise ValueError(f"names = {names!r}: expected facet_tags beside them")
@@ -356,7 +415,7 @@ def _grid(
 
 
 def _line(start: float, end: float, cells: Cells) -> NDArray[np.float64]:
-    """Where the cells along one axis end."""
+    """The coordinates at which the cells along one axis end."""
     if np.ndim(cells) == 0:
         count = as_count("cells", cells, "a whole number >= 1, or the coordinates of the cells' ends")
         return np.asarray(np.linspace(start, end, count + 1), dtype=float)
@@ -395,9 +454,9 @@ def _move(domain: dmesh.Mesh, lines: list[NDArray[np.float64]]) -> None:
     x = domain.geometry.x
     for axis, line in enumerate(lines):
         cells = len(line) - 1
-        # Which line a node is on, halves for the middles of crossed cells
-        place = np.rint((x[:, axis] - line[0]) * (2 * cells / (line[-1] - line[0]))) / 2
-        x[:, axis] = np.interp(place, np.arange(cells + 1), line)
+        # The number of the grid line through each node, halves for the middles of crossed cells.
+        number = np.rint((x[:, axis] - line[0]) * (2 * cells / (line[-1] - line[0]))) / 2
+        x[:, axis] = np.interp(number, np.arange(cells + 1), line)
 
 
 def _sides(
@@ -423,7 +482,7 @@ def _mark(domain: dmesh.Mesh, markers: Mapping[str, Marker]) -> dict[str, NDArra
 
 
 def _checked(name: str, marker: Marker) -> Marker:
-    """A marker whose answer is looked at before dolfinx gets it, which would say little of what is wrong."""
+    """A marker whose values are checked before dolfinx gets them: its own messages would not name the marker."""
     if not callable(marker):
         raise TypeError(f"{name} = {marker!r}: expected a function x (3, points) -> bool")
 
@@ -438,7 +497,7 @@ def _checked(name: str, marker: Marker) -> Marker:
 
 
 def _check_cells(domain: dmesh.Mesh) -> None:
-    """Refuse coordinates that are not numbers, and cells that no displacement could be computed in."""
+    """Refuse coordinates that are not finite, and cells in which no displacement could be computed."""
     dim, x = domain.topology.dim, domain.geometry.x
     if not np.all(np.isfinite(x)):
         bad = int(np.argmin(np.isfinite(x).all(axis=1)))
@@ -470,7 +529,7 @@ def _refuse_hanging_nodes(domain: dmesh.Mesh) -> None:
 
 
 def _others(mesh: Mesh, surfaces: Mapping[str, Any]) -> dict[str, str]:
-    """The names of a mesh that one of its pieces has no part of, and why."""
+    """The surfaces and groups of a mesh that one of its pieces has no part of, and the reasons."""
     missing = {name: "no facet of it belongs to this piece" for name in mesh.surfaces if name not in surfaces}
     return {**mesh.left_out, **missing}
 
@@ -496,7 +555,7 @@ def _pieces(mesh: Mesh) -> list[Mesh]:
 
 
 def _folded(domain: dmesh.Mesh) -> NDArray[np.bool_]:
-    """Which cells (cells,) lie on the same side of a facet as their neighbour there; of each two the first."""
+    """The mask (cells,) of cells on the same side of a facet as their neighbour there; of each pair the first."""
     dim, x = domain.topology.dim, domain.geometry.x
     middles = x[compat.geometry_dofmap(domain)].mean(axis=1)[:, :dim]
     where = np.zeros(len(middles), dtype=bool)
@@ -551,7 +610,7 @@ def _check_surface(domain: dmesh.Mesh, name: str, facets: NDArray[np.int32]) -> 
 
 
 def _within(domain: dmesh.Mesh, facets: NDArray[np.int32], name: str = "") -> int:
-    """How many of some facets are inside the body; refuses indices that no facet has."""
+    """The number of facets inside the body; refuses indices that no facet has."""
     dim = domain.topology.dim
     domain.topology.create_connectivity(dim - 1, dim)
     cells = np.diff(domain.topology.connectivity(dim - 1, dim).offsets)

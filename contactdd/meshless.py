@@ -1,4 +1,4 @@
-"""Bodies without a mesh: rigid ones, or elastic ones whose answer to pressures is known otherwise.
+"""Bodies without a mesh: rigid ones, or elastic ones whose compliance is known otherwise.
 
 All that a contact asks of such a body is where its surface lies opposite given points, and how its own degrees of
 freedom move it there. In the paper's words: different methods in different bodies.
@@ -27,6 +27,19 @@ class MeshlessBody(ABC):
 
     Attributes:
         length: A size (length) with which displacements are compared; 0 leaves that to the other bodies.
+
+    Example:
+        >>> class Floor(MeshlessBody):  # rigid, its surface is y = 0
+        ...     def gap(self, x, direction):
+        ...         return x[:, 1] / -direction[:, 1]
+        ...
+        ...     def normal_displacement(self, x, direction):  # two translations and a rotation about the origin
+        ...         return -np.column_stack([direction, x[:, 0] * direction[:, 1] - x[:, 1] * direction[:, 0]])
+        ...
+        ...     def prescribed(self):
+        ...         return np.zeros(self.size)
+        >>> Floor("floor").gap(np.array([[3.0, 0.5]]), np.array([[0.0, -1.0]]))
+        array([0.5])
     """
 
     #: What tells a body without a mesh from others.
@@ -46,12 +59,11 @@ class MeshlessBody(ABC):
 
     @abstractmethod
     def gap(self, x: Floats, direction: Floats) -> Floats:
-        """The distances (n,) from points along directions to this body's surface (length), negative where they lie
-        inside.
+        """The distances (n,) from points along directions to this body's surface (length), negative inside the body.
 
         Args:
-            x: (n, dim) the points, on the other body's surface.
-            direction: (n, dim) unit vectors, out of the other body.
+            x: (n, dim) The points, on the other body's surface (length).
+            direction: (n, dim) Unit vectors, out of the other body.
         """
 
     @abstractmethod
@@ -61,8 +73,8 @@ class MeshlessBody(ABC):
         u_n is counted along this body's outward normal, which is −direction.
 
         Args:
-            x: (n, dim) the points, on the other body's surface.
-            direction: (n, dim) unit vectors, out of the other body.
+            x: (n, dim) The points, on the other body's surface (length).
+            direction: (n, dim) Unit vectors, out of the other body.
         """
 
     @property
@@ -83,14 +95,18 @@ class MeshlessBody(ABC):
         return np.full(self.size, np.nan)
 
     def rigid_motions(self) -> tuple[Floats, Floats]:
-        """The degrees of freedom (dofs, motions) of rigid motions that cost no energy, and what these motions are as
-        coefficients (all motions, motions) in `Kinematics.rigid_modes`."""
+        """The rigid motions that cost no energy.
+
+        Returns:
+            Their degrees of freedom (dofs, motions), and their coefficients (all motions, motions) in
+            `Kinematics.rigid_modes`.
+        """
         return np.eye(self.size), np.eye(self.size)
 
     def resultant(self, forces: Floats) -> Floats:
         """The total force (dim,) of forces.
 
         Args:
-            forces: (dofs,) on the degrees of freedom.
+            forces: (dofs,) The forces on the degrees of freedom.
         """
         return np.array(forces[: self.kinematics.dim])

@@ -26,15 +26,21 @@ from .system.start import Given
 
 @dataclass
 class LoadPath:
-    """What a load programme went through.
+    """The steps of a load programme: the parameter's values, the solutions and what was recorded of each.
 
-    Args:
-        values: the parameter's values that were solved for.
-        solutions: one for each, unless they were not to be kept.
-        records: {name: array (steps, ...)} of what was recorded at each.
-        status: "converged", or that of the step that failed or was stopped ("stalled", "stopped", ...).
-        reason: in words.
-        failed: the last state of that step.
+    Attributes:
+        values: The parameter's values that were solved for.
+        solutions: The solution for each value; empty if they were not to be kept.
+        records: {name: array (steps, ...)} of the recorded quantities.
+        status: "converged", or the status of the step that failed or was stopped ("stalled", "stopped", ...).
+        reason: The reason of that, in words.
+        failed: The last iterate of the step that failed; None if none did.
+
+    Example:
+        >>> import contactdd as cd
+        >>> path = cd.LoadPath(values=[1.0, 2.0], records={"force": np.array([3.0, 6.0])}, reason="2 steps")
+        >>> path.converged, len(path), path.columns()["force"].tolist()
+        (True, 2, [3.0, 6.0])
     """
 
     values: list[Any] = field(default_factory=list)
@@ -50,36 +56,44 @@ class LoadPath:
         return self.status == "converged"
 
     def columns(self) -> dict[str, Any]:
-        """The parameter and what was recorded as columns by name, one row per step; arrays one column per entry."""
+        """The parameter and the recorded quantities as columns by name, one row per step; one column per array entry.
+
+        Returns:
+            {"parameter": (steps,), name of a record: (steps,)}, with numbered names for the entries of arrays.
+        """
         table = numbered_columns("parameter", np.array(self.values, dtype=float))
         for name, record in self.records.items():
             table |= numbered_columns(name, record)
         return table
 
     def frame(self) -> Any:
-        """The path as a pandas DataFrame, one row per step. Raises ImportError where pandas is not installed."""
+        """The path as a pandas DataFrame, one row per step.
+
+        Raises:
+            ImportError: pandas is not installed.
+        """
         return frame(self.columns())
 
     def to_csv(self, path: str | os.PathLike[str]) -> Path:
         """The CSV file written, one line per step.
 
         Args:
-            path: of the file.
+            path: The path of the file.
         """
         return write_csv(path, self.columns())
 
     def export(self, folder: str | os.PathLike[str], name: str = "series") -> list[Path]:
-        """The files written for ParaView: a series name.pvd, the first, and what `Solution.export` writes of each step.
+        """The files written for ParaView: the series name.pvd, then those of `Solution.export` for each step.
 
-        The time of the series is the step's number; each file holds the parameter's value as field data. On several
-        ranks all have to call it; the first writes.
+        The time of the series is the step's number; each file holds the parameter's value as field data. Collective:
+        on several ranks all have to call it; the first writes.
 
         Args:
-            folder: where; it is made if missing.
-            name: of the series' file.
+            folder: The path of the folder, which is made if missing.
+            name: The name of the series' file.
 
         Raises:
-            ValueError: for a path that kept no solutions.
+            ValueError: The path kept no solutions.
         """
         from .view.export import export_series
 
@@ -90,8 +104,11 @@ class LoadPath:
         """A matplotlib figure of a contact's pressure in every step, of plane bodies.
 
         Args:
-            contact: its name, its place in the scene or the `Contact`.
+            contact: Its name, its index in the scene or the `Contact`.
             options: `along`, `path`, `stress_unit`, `length_unit`, as of `Solution.plot_contact`.
+
+        Raises:
+            ValueError: The path kept no solutions.
         """
         from .view.path_plot import plot_steps
 
@@ -100,7 +117,11 @@ class LoadPath:
     def plot_bodies(self, **options: Any) -> Any:
         """A matplotlib figure of the bodies of all steps beside each other, drawn alike.
 
-        Options: `columns`, `path`, and those of `Solution.plot_bodies`.
+        Args:
+            options: `columns`, `path`, and those of `Solution.plot_bodies`.
+
+        Raises:
+            ValueError: The path kept no solutions.
         """
         from .view.path_plot import plot_multiples
 
@@ -110,8 +131,11 @@ class LoadPath:
         """The GIF written, one frame a step.
 
         Args:
-            path: of the file, which ends in .gif.
+            path: The path of the file, which ends in .gif.
             options: `per_second`, and those of `Solution.plot_bodies`.
+
+        Raises:
+            ValueError: The path kept no solutions.
         """
         from .view.path_plot import animate
 
@@ -140,7 +164,11 @@ class LoadPath:
 
 
 class StepFailedError(ContactError):
-    """A load programme that a step ended early. Attribute: `path`, what was done before and the failed step."""
+    """A load programme that was ended early by a step that did not converge.
+
+    Attributes:
+        path: The `LoadPath` up to that step; a pickled copy has no solutions.
+    """
 
     def __init__(self, path: LoadPath) -> None:
         super().__init__(f"{path.status}: {path.reason}")
@@ -161,17 +189,40 @@ def programme(
     start: Given | Solution | None = None,
     **solve_options: Any,
 ) -> LoadPath:
-    """Solve a scene for one value of a parameter after another, each step started from the one before.
-
-    record: {name: function of each step's `Solution`} to be kept as arrays; keep_solutions: whether to keep the
-    solutions too; on_failure: "raise" StepFailedError when a step does not converge, or "return" the path so far with
-    its status; start: of the first step; solve_options: of every `solve`. Afterwards the parameter has its last value.
+    """The solutions of a scene for one value of a parameter after another, each started from the one before.
 
     A step that a callback or the time limit stops has not converged either: it ends the programme, "stopped".
+    Afterwards the parameter has the last value that was tried.
 
-        q = cd.Parameter(0.0)
-        ... cd.Pressure("top", q) ...
-        path = cd.programme(scene, q, [1, 2, 5, 10], record={"force": lambda s: s.contact().force}, method="newton")
+    Args:
+        scene: The scene.
+        parameter: A parameter that a load, a prescribed displacement or a gap of the scene follows.
+        values: Its values, one a step, in its own unit.
+        record: {name: function of each step's `Solution`}: quantities to be kept as arrays.
+        keep_solutions: Whether the solutions are kept, too.
+        on_failure: "raise" an error when a step does not converge, or "return" the path so far with its status.
+        start: The start of the first step, as of `solve`.
+        solve_options: Other arguments of every `solve`.
+
+    Returns:
+        The path, with one value, solution and record for each step that converged.
+
+    Raises:
+        TypeError, ValueError: An argument is none of these; the scene does not follow the parameter; the values are not
+            the same on all ranks.
+        StepFailedError: A step did not converge, or was stopped.
+
+    Example:
+        >>> import contactdd as cd
+        >>> q = cd.Parameter(0.0)
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.0), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower = cd.Body("lower", mesh, steel, supports=[cd.Fixed("bottom")])
+        >>> rollers = [cd.Symmetry("left"), cd.Symmetry("right")]
+        >>> upper = cd.Body("upper", mesh.moved((0, 1)), steel, supports=rollers, loads=[cd.Pressure("top", q)])
+        >>> scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4))])
+        >>> path = cd.programme(scene, q, [1, 5], record={"force": lambda solution: solution.contact().force})
+        >>> path.records["force"].round(6).tolist()  # 2 q
+        [2.0, 10.0]
     """
     check_choice("on_failure", on_failure, ("raise", "return"))
     if not isinstance(parameter, Parameter):
@@ -236,7 +287,7 @@ def _values(values: Iterable[ArrayLike]) -> Sequence[ArrayLike]:
 def _functions(
     record: Mapping[str, Callable[[Solution], ArrayLike]] | None,
 ) -> Mapping[str, Callable[[Solution], ArrayLike]]:
-    """What is to be recorded at each step, by name."""
+    """The functions of a solution that are recorded at each step, by name, checked."""
     if record is None:
         return {}
     if not isinstance(record, Mapping):
@@ -258,7 +309,7 @@ def _step(scene: Scene, start: Given | Solution | None, options: Mapping[str, An
 
 
 def _converged(solution: Solution) -> Solution:
-    """The same, refused where it was stopped: `solve` returns that as asked, but it is no step of a path."""
+    """The solution if it converged; an error if the solve was stopped, since a stopped solve is no step of a path."""
     if not solution.converged:
         raise NotConvergedError(solution.status, solution.reason, solution)
     return solution

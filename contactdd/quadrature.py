@@ -24,6 +24,7 @@ import scipy
 from numpy.typing import NDArray
 
 from .base.arrays import Floats, Indices
+from .base.basis import quadrature_rule
 from .base.checks import as_count, check_choice
 
 
@@ -98,7 +99,7 @@ class FacetQuadrature(Quadrature):
         return basix.ufl.element("Discontinuous Lagrange", cell_name, 0)
 
     def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], scipy.sparse.csr_matrix]) -> Sampling:
-        total = np.bincount(segment, weights)
+        total = np.asarray(np.bincount(segment, weights), dtype=float)
         points = np.arange(len(segment))
         mean = scipy.sparse.csr_matrix((weights / total[segment], (segment, points)), shape=(len(total), len(points)))
         return Sampling(
@@ -185,7 +186,7 @@ RULES: dict[str, type[Quadrature]] = {
 
 @cache
 def _gauss(facet: basix.CellType, degree: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    points, weights = basix.make_quadrature(facet, degree)
+    points, weights = quadrature_rule(facet, degree)
     points.setflags(write=False)  # they are everybody's
     weights.setflags(write=False)
     return points, weights

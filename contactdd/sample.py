@@ -11,6 +11,7 @@ from dolfinx.plot import vtk_mesh
 from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats, Indices
+from .base.basis import basis_values
 from .base.checks import as_floats
 from .base.facets import FacetPoints, facet_type, surface_points
 from .body import Body
@@ -45,7 +46,7 @@ def body_result(
 def nodal_stress(body: Body, stress: fem.Function) -> tuple[Floats, Floats]:
     """The mean stress at each cell's nodes, (cells, 6), and that of the cells around each node, (nodes, 6)."""
     element = stress.function_space.element.basix_element
-    table = element.tabulate(0, body.space.element.basix_element.points)[0, :, :, 0]
+    table = basis_values(element, body.space.element.basix_element.points)
     cells = stress.x.array.reshape(-1, 6)[stress.function_space.dofmap.list]
     values = np.einsum("pn,cnk->cpk", table, cells)
     nodes = body.space.dofmap.list.ravel()
@@ -74,7 +75,7 @@ def surface_result(
 ) -> SurfaceResult:
     """The side `place` (0 or 1) of a contact facet by facet, from the values at the interface's points."""
     side = interface.sides[place]
-    surface, body = side.surface, side.surface.body
+    surface, body = side.meshed, side.meshed.body
     points, cells, kind, u, at = _facet_nodes(body, surface.entities, displacement)
     carries = interface.functions.surface is surface
     projected = hats(surface, at) @ interface.nodal_field(pressure) if carries else None
@@ -103,7 +104,7 @@ def surface_result(
 
 def _facet_means(side: InterfaceSide, values: Floats) -> Floats:
     """The means over a body's own facets of values at an interface's points, zero where nothing is opposite."""
-    surface = side.surface
+    surface = side.meshed
     weighted = surface.weights * (side.transfer @ values)
     return weighted.reshape(len(surface.facets), -1).sum(axis=1) / surface.facet_areas
 
@@ -132,7 +133,7 @@ def _dolfinx_facet(body: Body) -> cpp.mesh.CellType:
 
 def _tabulated(body: Body, cells: NDArray[np.int32], reference: Floats, nodal: Floats) -> Floats:
     """A function of nodal values (nodes, k) at a point (n, dim) of the reference cell in each of n cells, (n, k)."""
-    table = body.space.element.basix_element.tabulate(0, reference)[0, :, :, 0]
+    table = basis_values(body.space.element.basix_element, reference)
     return np.einsum("np,npk->nk", table, nodal[body.space.dofmap.list[cells]])
 
 

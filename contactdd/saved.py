@@ -33,16 +33,24 @@ T = TypeVar("T")
 
 @dataclass(frozen=True)
 class SavedSolution:
-    """The numbers of a solution without the scene, as plain data: what `load_solution` reads.
+    """A solution as plain data without its scene, read by `load_solution`.
 
-    Args:
-        status, reason, method: as of the `Solution`.
-        numbers: {"energy", "layer_energy", "residual", "imbalance", "largest_strain", "largest_rotation"}.
-        history: of the iterations.
-        bodies: every `BodyResult`, in the order of the scene.
+    Attributes:
+        status, reason, method: Those of the `Solution`.
+        numbers: {"energy", "layer_energy", "residual", "imbalance", "largest_strain", "largest_rotation"}, as the
+            attributes of a `Solution` of these names.
+        history: The records of the iterations.
+        bodies: The `BodyResult` of each body with a mesh, in the order of the scene.
         contacts: {name: `ContactResult`}.
         surfaces: {name: (`SurfaceResult` of the first body, of the second)}, None for a body without a mesh.
-        resultants: {body: {"loads", "contact", "supports": (dim,)}}, as `Solution.forces` gives them.
+        resultants: {body: {"loads", "contact", "supports": (dim,)}}, as of `Solution.forces` (force).
+
+    Example:
+        >>> import contactdd as cd
+        >>> forces = {"block": {"loads": np.array([0.0, -6.0])}}
+        >>> saved = cd.SavedSolution("converged", "", "newton", {"energy": -1.0}, cd.History(), [], {}, {}, forces)
+        >>> saved.converged, saved.forces("block")["loads"]
+        (True, array([ 0., -6.]))
     """
 
     status: str
@@ -61,22 +69,25 @@ class SavedSolution:
         return self.status == "converged"
 
     def contact(self, contact: str | int = 0) -> ContactResult:
-        """Pressure, gap and compression of a contact.
+        """The pressure, gap and compression of a contact at its points.
 
         Args:
-            contact: its name or its place.
+            contact: Its name or its index.
+
+        Raises:
+            ValueError: There is no such contact.
         """
         return self.contacts[self._name(contact)]
 
     def contact_surface(self, contact: str | int = 0, *, second: bool = False) -> SurfaceResult:
-        """Pressure, gap and status of a contact facet by facet.
+        """The pressure, gap and status of a contact facet by facet.
 
         Args:
-            contact: its name or its place.
-            second: whether on the second body's surface instead of the first's.
+            contact: Its name or its index.
+            second: Whether on the second body's surface instead of the first's.
 
         Raises:
-            ValueError: for the side of a body without a mesh.
+            ValueError: There is no such contact, or that body has no mesh.
         """
         surface = self.surfaces[self._name(contact)][int(second)]
         if surface is None:
@@ -84,10 +95,13 @@ class SavedSolution:
         return surface
 
     def body(self, body: str) -> BodyResult:
-        """A body's displacement and stress at its nodes.
+        """The displacement and stress of a body at its nodes.
 
         Args:
-            body: its name.
+            body: Its name.
+
+        Raises:
+            ValueError: There is no such body with a mesh.
         """
         for other in self.bodies:
             if other.name == body:
@@ -95,10 +109,13 @@ class SavedSolution:
         raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.bodies)}")
 
     def forces(self, body: str) -> Mapping[str, Floats]:
-        """The resultants on a body, each (dim,): "loads", "contact" and "supports".
+        """The resultants on a body, each (dim,) (force): "loads", "contact" and "supports".
 
         Args:
-            body: its name.
+            body: Its name.
+
+        Raises:
+            ValueError: There is no such body.
         """
         if body not in self.resultants:
             raise ValueError(f"body = {body!r}: expected one of {', '.join(map(repr, self.resultants))}")
@@ -108,7 +125,8 @@ class SavedSolution:
         """A matplotlib figure of pressure and gap over a contact, see `Solution.plot_contact`.
 
         Args:
-            contact: its name or its place.
+            contact: Its name or its index.
+            options: As of `Solution.plot_contact`.
         """
         from .view.contact_plot import plot_contact
 
@@ -119,7 +137,8 @@ class SavedSolution:
         """A picture of the deformed bodies, see `Solution.plot_bodies`.
 
         Args:
-            bodies: their names; by default all.
+            bodies: Their names; by default all.
+            options: As of `Solution.plot_bodies`.
         """
         from .view.body_plot import plot_bodies
 
@@ -129,7 +148,7 @@ class SavedSolution:
         """The files written for ParaView, see `Solution.export`.
 
         Args:
-            folder: where; it is made if missing.
+            folder: The path of the folder, which is made if missing.
         """
         from .view.export import Fields, export
 
@@ -193,10 +212,10 @@ def load_solution(folder: str | os.PathLike[str]) -> SavedSolution:
     Only numbers and text are read; nothing in the files is executed.
 
     Args:
-        folder: that was given to `Solution.save`.
+        folder: The folder that was given to `Solution.save`.
 
     Raises:
-        ValueError: for a folder without a saved solution, or one that is damaged or of a later version.
+        ValueError: The folder holds no saved solution, or one that is damaged or of a later version.
 
     Example:
         >>> solution.save("groove")  # doctest: +SKIP

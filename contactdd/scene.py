@@ -1,4 +1,4 @@
-"""A scene: all bodies and the contacts between them, checked, and what is kept of them from one solve to the next."""
+"""A scene: all bodies and the contacts between them, checked, with all that later solves reuse."""
 
 from __future__ import annotations
 
@@ -38,6 +38,14 @@ class Scene:
 
     Raises:
         TypeError, ValueError: Bodies and contacts make no scene.
+
+    Example:
+        >>> import contactdd as cd
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.3), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower = cd.Body("lower", mesh, steel, supports=[cd.Fixed("bottom")])
+        >>> upper = cd.Body("upper", mesh.moved((0, 1)), steel, loads=[cd.Pressure("top", 3.0)])
+        >>> scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4))])
+        >>> stiffer = scene.with_layer(cd.LinearLayer(1e5))  # shares bodies and factorisations
     """
 
     def __init__(
@@ -48,7 +56,7 @@ class Scene:
         if not isinstance(comm, MPI.Comm):
             raise TypeError(f"comm = {comm!r}: expected an MPI communicator, such as MPI.COMM_WORLD")
         self._check()
-        # One rank alone need not weigh them.
+        # On a single rank the weights for load balancing are not needed.
         self.ranks = Ranks(comm, [0.0 if comm.size == 1 or body.mesh is None else body.dofs for body in self.bodies])
         self._interfaces: list[Interface] | None = None
         self._solvers: LocalSolvers | None = None
@@ -126,7 +134,7 @@ class Scene:
         """Whether any load, prescribed displacement or gap of the scene follows a parameter.
 
         Args:
-            parameter: The parameter.
+            parameter: The parameter in question.
         """
         return any(parameter is other for other in self._parameters())
 
@@ -169,7 +177,7 @@ class Scene:
         for body, surface in contact.sides:
             if not any(body is other for other in self.bodies):
                 raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
-            if body.kinematics.ring != contact.sides[0][0].kinematics.ring:
+            if body.kinematics.axisymmetric != contact.sides[0][0].kinematics.axisymmetric:
                 raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
             for facet in () if body.mesh is None else body.mesh.facets(surface):
                 key = (id(body), int(facet))

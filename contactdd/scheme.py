@@ -31,11 +31,25 @@ Coefficient = Callable[[Layer, Floats, Floats, Floats], Floats]
 
 @dataclass(frozen=True)
 class Scheme:
-    """A scheme.
+    """A scheme: its Robin coefficient φ, and how the linear problem of each iteration is solved.
 
-    name; coefficient: its φ; step: how the linear problem is solved: "decomposed" (every body on its own), "direct"
-    (all coupled), "krylov" (coupled, by solves of the bodies apart) or "auto"; equation: in the paper; accelerated:
-    whether Anderson's method mixes the iterates.
+    Attributes:
+        name: The name, as in `SCHEMES`.
+        coefficient: φ >= 0 (n,) (stress / length), a function of the layer, the gaps z^k and z^{k−1} (n,) (length) and
+            the points x (dim, n).
+        step: "decomposed" (one problem per body), "direct" (the coupled matrix factored), "krylov" (the coupled problem
+            by conjugate gradients, preconditioned by the bodies' own problems) or "auto" (direct or Krylov, by size).
+        equation: The equation of the paper.
+        accelerated: Whether Anderson's method mixes the iterates.
+
+    Raises:
+        TypeError, ValueError: A field is none of these.
+
+    Example:
+        >>> import contactdd as cd
+        >>> secant = cd.Scheme("secant", lambda law, z, old, x: law.divided_difference(old, z), "direct", "(26)")
+        >>> secant.phi(cd.LinearLayer(50.0), np.array([-0.1, 0.2]), np.array([-0.2, 0.1]), np.zeros((2, 2)))
+        array([50.,  0.])
     """
 
     name: str
@@ -54,16 +68,23 @@ class Scheme:
         as_bool("accelerated", self.accelerated)
 
     def phi(self, layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
-        """φ at the points of a contact, (n,).
+        """The Robin coefficient φ at the points of a contact, (n,) (stress / length).
 
-        Raises ValueError or TypeError where a coefficient of the user's gives anything but n numbers >= 0.
+        Args:
+            layer: The layer law.
+            z: z^k (n,), the gaps of the present iterate (length).
+            z_previous: z^{k−1} (n,), those of the iterate before (length).
+            x: (dim, n) The coordinates of the points (length).
+
+        Raises:
+            TypeError, ValueError: The user's own coefficient gives anything but n numbers >= 0.
         """
         values = self.coefficient(layer, z, z_previous, x)
         return values if self.coefficient in COEFFICIENTS else _checked(self.name, values, z)
 
     @property
     def decomposed(self) -> bool:
-        """Whether an iteration is one solve per body, relaxed."""
+        """Whether an iteration is one solve of each body by itself, relaxed."""
         return self.step == "decomposed"
 
 
@@ -96,7 +117,21 @@ def kurchatov(layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
 
 
 def one_point(psi: Subset) -> Scheme:
-    """The decomposed one-point scheme (22) with your own subset: φ = ψ g'(z)."""
+    """The decomposed one-point scheme (22) with your own subset: φ = ψ g'(z).
+
+    Args:
+        psi: ψ, a function of the gaps z (n,) (length) and the points x (dim, n) to 0 or 1 at each point, (n,): where
+            the Robin condition is set.
+
+    Raises:
+        TypeError: `psi` is no function. What it returns is checked in each iteration.
+
+    Example:
+        >>> import contactdd as cd
+        >>> scheme = cd.one_point(lambda z, x: z < 0.01)
+        >>> scheme.phi(cd.LinearLayer(50.0), np.array([-0.1, 0.005, 0.2]), np.zeros(3), np.zeros((2, 3)))
+        array([50., 50.,  0.])
+    """
 
     if not callable(psi):
         raise TypeError(f"psi = {psi!r}: expected a function (z, x) -> 0 or 1 at every point")
@@ -108,7 +143,7 @@ def one_point(psi: Subset) -> Scheme:
 
 
 def _subset(values: ArrayLike, z: Floats) -> NDArray[np.bool_]:
-    """Where ψ = 1, (n,)."""
+    """The mask (n,) of the points where ψ = 1."""
     psi = as_floats("psi", values, "0 or 1 at every point")
     if psi.shape not in ((), z.shape):
         raise ValueError(f"psi: shape {psi.shape} at {len(z)} points; expected {z.shape}")
@@ -118,7 +153,7 @@ def _subset(values: ArrayLike, z: Floats) -> NDArray[np.bool_]:
 
 
 def _checked(name: str, values: ArrayLike, z: Floats) -> Floats:
-    """The coefficient that a scheme of the user's gives, refused unless it is a number >= 0 at every point."""
+    """The values of a user's coefficient, refused unless they are a number >= 0 at every point."""
     phi = as_floats("phi", values, f"an array of {len(z)} numbers")
     if phi.shape != z.shape:
         raise ValueError(f"scheme {name!r}: φ has the shape {phi.shape} at {len(z)} points; expected {z.shape}")
@@ -129,7 +164,7 @@ def _checked(name: str, values: ArrayLike, z: Floats) -> Floats:
     return phi
 
 
-#: The coefficients of the schemes here; they need no check.
+#: The coefficients of the schemes here, whose values need no check.
 COEFFICIENTS = (semismooth, nowhere, everywhere, chord, kurchatov)
 
 

@@ -75,7 +75,7 @@ def _strains(body: Body, displacement: Floats) -> tuple[Floats, Floats]:
     rotation = np.zeros_like(strain)
     strain[:, :dim, :dim] = 0.5 * (gradient + np.swapaxes(gradient, 1, 2))
     rotation[:, :dim, :dim] = 0.5 * (gradient - np.swapaxes(gradient, 1, 2))
-    if body.kinematics.ring:
+    if body.kinematics.axisymmetric:
         strain[:, 2, 2] = (u[:, :, 0] @ own) / (nodes[:, :, 0] @ values)
     return strain, rotation
 
@@ -93,7 +93,7 @@ def _noted(interface: Interface, gap: Floats) -> bool:
     thickness, stiffness = (min(values) for values in zip(*scales, strict=True))
     if np.abs(interface.gap - gap).max(initial=0.0) > NOTED_APPROACH * thickness:
         return True
-    return -interface.contact.layer.contact_stress(gap).min(initial=0.0) > NOTED_PRESSURE * stiffness
+    return -interface.layer.contact_stress(gap).min(initial=0.0) > NOTED_PRESSURE * stiffness
 
 
 _known: WeakKeyDictionary[Body, tuple[float, float]] = WeakKeyDictionary()

@@ -1,4 +1,4 @@
-"""What a solve returns: displacements, contact pressures and gaps, energies, stresses, and how it went."""
+"""The solution of a scene: displacements, stresses, contact pressures and gaps, energies, and how the run went."""
 
 from __future__ import annotations
 
@@ -26,6 +26,7 @@ from .contact_result import ContactResult
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
+from .interface.surface import ContactSurface
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
 
@@ -43,16 +44,30 @@ STIFF = 10.0
 
 
 class Solution:
-    """The result of `solve`.
+    """The result of `solve`: displacements, stresses, contact pressures, energies and the history of the iterations.
+
+    Lengths, stresses and forces are in the user's own units; forces and energies are per unit thickness in the plane
+    and those of the full ring for bodies of revolution.
 
     Args:
-        scene: that was solved.
-        ensemble: its discrete problem.
-        state: the last iterate.
-        history: of the iterations.
+        scene: The scene that was solved.
+        ensemble: Its discrete problem.
+        state: The last iterate.
+        history: The records of the iterations.
         status: "converged", "iteration limit", "stalled", "diverged", "no equilibrium" or "stopped".
-        reason: of that, in words.
-        method: the scheme's name.
+        reason: The reason of that, in words.
+        method: The scheme's name.
+
+    Example:
+        >>> import contactdd as cd
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.0), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower = cd.Body("lower", mesh, steel, supports=[cd.Fixed("bottom")])
+        >>> rollers = [cd.Symmetry("left"), cd.Symmetry("right")]
+        >>> upper = cd.Body("upper", mesh.moved((0, 1)), steel, supports=rollers, loads=[cd.Pressure("top", 3.0)])
+        >>> scene = cd.Scene([lower, upper], [cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4))])
+        >>> solution = cd.solve(scene)
+        >>> round(solution.contact("lower-upper").force, 6), solution.forces("upper")["loads"].round(6).tolist()
+        (6.0, [0.0, -6.0])
     """
 
     def __init__(
@@ -78,7 +93,7 @@ class Solution:
 
     @property
     def iterations(self) -> int:
-        """How many iterations there were."""
+        """The number of iterations."""
         return len(self.history)
 
     @property
@@ -90,7 +105,10 @@ class Solution:
         """The displacement of a body (length), a dolfinx function; of a body without a mesh its unknowns, (dofs,).
 
         Args:
-            body: its name or the `Body`.
+            body: Its name or the `Body`.
+
+        Raises:
+            ValueError: The scene has no such body.
         """
         place = self._place(body)
         name = self.scene.bodies[place].name
@@ -103,11 +121,14 @@ class Solution:
         return self._displacements[name]
 
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
-        """Pressure, gap and compression of a contact at its points.
+        """The pressure, gap and compression of a contact at its points.
 
         Args:
-            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
-            degree: of Gauss points that it is told at instead of its own.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
+            degree: The degree of exactness of Gauss points at which they are evaluated instead of the contact's own.
+
+        Raises:
+            ValueError: The scene has no such contact.
         """
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._gaps[index]
@@ -118,26 +139,26 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
             if gathered is None:
-                pressure = 0.0 - interface.contact.layer.contact_stress(gaps)
+                pressure = 0.0 - interface.layer.contact_stress(gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
         return _contact_result(interface, gaps, pressure, ratio, wavers)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What a reader of the result has to know: where a layer is compressed further than its law is known."""
+        """Remarks on the result: contacts where a layer is compressed further than its law is known."""
         found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
         return tuple(note for note in found if note)
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
-        """Pressure, gap and status of a contact facet by facet.
+        """The pressure, gap and status of a contact facet by facet.
 
         Args:
-            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
-            second: whether on the second body's surface instead of the first's.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
+            second: Whether on the second body's surface instead of the first's.
 
         Raises:
-            ValueError: for the side of a body without a mesh.
+            ValueError: The scene has no such contact, or that body has no mesh.
         """
         index = self._contact_index(contact)
         interface, gaps, pressure = self.interfaces[index], self._gaps[index], self._pressure(index)
@@ -145,51 +166,51 @@ class Solution:
         return sample.surface_result(interface, int(second), gaps, pressure, self.displacement(body))
 
     def body(self, body: str | Body) -> BodyResult:
-        """A body's displacement and stress at its nodes, as plain arrays.
+        """The displacement and stress of a body at its nodes, as plain arrays.
 
         Args:
-            body: its name or the `Body`.
+            body: Its name or the `Body`.
 
         Raises:
-            ValueError: for a body without a mesh.
+            ValueError: The scene has no such body, or it has no mesh.
         """
         owner = self._meshed(body)
         contacts = list(zip(self.interfaces, self._gaps, strict=True))
         return sample.body_result(owner, self.displacement(owner), self.stress(owner), contacts)
 
     def displacement_at(self, body: str | Body, points: ArrayLike) -> Floats:
-        """The displacement (n, dim) of a body at points (length).
+        """The displacements of a body at points, (n, dim) (length).
 
         Args:
-            body: its name or the `Body`.
-            points: (n, dim) of its undeformed shape.
+            body: Its name or the `Body`.
+            points: (n, dim) Points of its undeformed shape (length).
 
         Raises:
-            ValueError: for points outside of it and for a body without a mesh.
+            ValueError: Points lie outside of the body, or it has no mesh.
         """
         owner = self._meshed(body)
         return sample.values_at(owner, self.displacement(owner), points)
 
     def stress_at(self, body: str | Body, points: ArrayLike) -> Floats:
-        """The six stresses (n, 6) of a body at points, in the order of `stress`.
+        """The six stresses of a body at points, (n, 6), in the order of `stress`.
 
-        On the border of cells it is that of one of them.
+        On the border of cells the stress is that of one of them.
 
         Args:
-            body: its name or the `Body`.
-            points: (n, dim) of its undeformed shape.
+            body: Its name or the `Body`.
+            points: (n, dim) Points of its undeformed shape (length).
 
         Raises:
-            ValueError: for points outside of it and for a body without a mesh.
+            ValueError: Points lie outside of the body, or it has no mesh.
         """
         owner = self._meshed(body)
         return sample.values_at(owner, self.stress(owner), points)
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
-        """½ a(u, u) of a body, or of all of them; the energy of its springs is part of it.
+        """The elastic energy ½ a(u, u) of a body or of all, that of springs included (force · length).
 
         Args:
-            body: its name or the `Body`; by default all.
+            body: Its name or the `Body`; by default all.
         """
         if body is None:
             return sum(self.elastic_energy(each) for each in self.scene.bodies)
@@ -209,7 +230,7 @@ class Solution:
     def _penalty_energy(self) -> float:
         """What the augmented Lagrangian counts as the energy of hard contacts."""
         contacts = zip(self.interfaces, self._state.gaps, strict=True)
-        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts if i.hard)
+        return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
     @property
     def multipliers(self) -> list[Floats]:
@@ -224,15 +245,18 @@ class Solution:
 
     def _pressure(self, index: int) -> Floats:
         """The contact pressure at the points of an interface."""
-        return 0.0 - self.interfaces[index].contact.layer.contact_stress(self._state.gaps[index])
+        return 0.0 - self.interfaces[index].layer.contact_stress(self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
-        """All six stresses of a body in the order xx, yy, zz, yz, xz, xy, discontinuous between cells.
+        """The six stresses of a body, a dolfinx function, in the order xx, yy, zz, yz, xz, xy.
 
-        In a body of revolution x is the radius, y the axis and z the hoop direction.
+        It is discontinuous between cells. In a body of revolution x is the radius, y the axis and z the hoop direction.
 
         Args:
-            body: its name or the `Body`.
+            body: Its name or the `Body`.
+
+        Raises:
+            ValueError: The scene has no such body.
         """
         owner = self.scene.bodies[self._place(body)]
         degree = max(owner.degree - 1, 0)
@@ -251,7 +275,10 @@ class Solution:
         They sum to zero. In a body of revolution they are those of the full ring, on which radial forces sum to zero.
 
         Args:
-            body: its name or the `Body`.
+            body: Its name or the `Body`.
+
+        Raises:
+            ValueError: The scene has no such body.
         """
         place = self._place(body)
         parts = self._nodal_forces(place)
@@ -285,10 +312,10 @@ class Solution:
 
     @cached_property
     def residual(self) -> float:
-        """‖F₁'(u)‖ over all free displacements relative to the forces at work there, found from the fields anew.
+        """The residual ‖F₁'(u)‖ over all free displacements relative to the forces at work, from the recovered fields.
 
-        The forces at work are those that `solve` compares with, √(‖loads‖² + ‖contact forces‖²); where nothing is at
-        work at all, ‖F₁'(u)‖ itself is returned.
+        The forces at work are those that `solve` compares with, √(‖loads‖² + ‖contact forces‖²); where there are none,
+        the residual is ‖F₁'(u)‖ itself.
         """
         total = contacts = 0.0
         for place, problem in enumerate(self._ensemble.problems):
@@ -301,15 +328,16 @@ class Solution:
     def normal_stiffness(self, contact: str | int | Contact = 0) -> float:
         """The normal stiffness dF/dδ of a contact and its bodies, from the tangent (17) (force / length).
 
-        F is the contact force, δ by how much what holds the bodies comes together, which is to say by how much the gap
-        d shrinks everywhere; all loads stay. So it is that of the layer and of the bodies in series; zero where loads
-        alone fix the force. On several ranks all have to call it.
+        F is the contact force and δ the approach of the bodies' supports, which is a uniform reduction of the gap d;
+        all loads stay. The stiffness is that of the layer and of the bodies in series; zero where loads alone fix the
+        force. Collective: on several ranks all have to call it.
 
         Args:
-            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
 
         Raises:
-            LooseBodyError: where the closed contacts leave a body free.
+            ValueError: The scene has no such contact.
+            LooseBodyError: The closed contacts leave a body free.
         """
         from .iteration.closing_stiffness import closing_stiffness
 
@@ -317,7 +345,7 @@ class Solution:
 
     @cached_property
     def strain_sizes(self) -> list[StrainSize]:
-        """The largest strain and rotation of every body that has a mesh, in the order of the scene's bodies."""
+        """The largest strain and rotation of each body that has a mesh, in the order of the scene's bodies."""
         bodies = zip(self.scene.bodies, self._fields, strict=True)
         return [small_strains.strain_size(body, fields.displacement) for body, fields in bodies if body.mesh]
 
@@ -340,7 +368,7 @@ class Solution:
         """A matplotlib figure of pressure and gap along a contact, in space of a map of it.
 
         Args:
-            contact: its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
             options: `along`, `about`, `show`, `path`, `stress_unit`, `length_unit`, see
                 `view.contact_plot.plot_contact`.
         """
@@ -354,7 +382,7 @@ class Solution:
         """A picture of the deformed bodies, or of some, coloured by a stress.
 
         Args:
-            bodies: which, by their names or the bodies themselves; by default all that have a mesh.
+            bodies: Names of bodies or the bodies themselves; by default all that have a mesh.
             options: `component`, `scale`, `limits`, `camera`, `zoom`, `edges`, `undeformed`, `sweep`, `unit`, `path`,
                 `size`, `title`, see `view.body_plot.plot_bodies`.
         """
@@ -376,10 +404,11 @@ class Solution:
         One .vtu file of each body in its own degree: displacement, stress as a symmetric tensor and von Mises stress at
         the nodes, where neighbouring cells' stresses are averaged, and each cell's mean. Of each contact one of its
         points, with the pressures and gaps of `contact`, and one of each surface's facets, with those of
-        `contact_surface`; these also as text in contacts.xdmf. On several ranks all have to call it; the first writes.
+        `contact_surface`; these also as text in contacts.xdmf. Collective: on several ranks all have to call it; the
+        first writes.
 
         Args:
-            folder: where; files of the same names in it are replaced.
+            folder: The path of the folder; files of the same names in it are replaced.
         """
         from .view.export import export
 
@@ -388,24 +417,24 @@ class Solution:
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """The folder that the solution was saved in as plain data, to be read by `load_solution` without the scene.
 
-        On several ranks all have to call it; the first writes.
+        Collective: on several ranks all have to call it; the first writes.
 
         Args:
-            folder: where; it is made if missing, and an earlier solution in it is replaced.
+            folder: The path of the folder, which is made if missing; an earlier solution in it is replaced.
         """
         from .saved import save
 
         return self.scene.ranks.once(lambda: save(self._plain(), Path(folder)))
 
     def _exported(self) -> ExportedFields:
-        """What is written of the solution for ParaView."""
+        """The bodies' and contacts' results that are written for ParaView."""
         from .view.export import Fields
 
         contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in self.scene.contacts]
         return Fields([self.body(body) for body in self._with_mesh()], contacts)
 
     def _plain(self) -> SavedSolution:
-        """All that is told of the solution, as plain data."""
+        """The solution as plain data."""
         from .saved import SavedSolution
 
         names = ("energy", "layer_energy", "residual", "imbalance", "largest_strain", "largest_rotation")
@@ -422,7 +451,7 @@ class Solution:
         )
 
     def _surfaces(self, contact: str | int | Contact) -> Surfaces:
-        """Both sides of a contact, None for that of a body without a mesh."""
+        """The results of both surfaces of a contact, None for that of a body without a mesh."""
         first, second = self.scene.contacts[self._contact_index(contact)].sides
         return (
             self.contact_surface(contact) if first[0].mesh else None,
@@ -430,7 +459,7 @@ class Solution:
         )
 
     def _with_mesh(self) -> list[Body]:
-        """The bodies that have a mesh: what can be drawn and written."""
+        """The bodies that have a mesh, which can be drawn and written."""
         return [body for body in self.scene.bodies if body.mesh]
 
     def _meshed(self, body: str | Body) -> Body:
@@ -464,7 +493,7 @@ class Solution:
 
     @cached_property
     def _fields(self) -> list[Fields]:
-        """The bodies' solutions; the insides are recovered when first asked for."""
+        """The bodies' solutions, recovered from the condensed unknowns when first asked for."""
         ensemble, state = self._ensemble, self._state
 
         def of(place: int) -> Fields:
@@ -474,22 +503,22 @@ class Solution:
         return self._settled(self.scene.ranks.each(of))
 
     def _settled(self, fields: list[Fields]) -> list[Fields]:
-        """The same with the motions taken out on which nothing depends, such as that of a whole stack that floats.
+        """The fields without the common rigid motion that neither loads nor contacts determine.
 
-        Which of them the iteration ends with is rounding; the displacements shown are the smallest.
+        Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
         """
         motions = self._ensemble.rigid
-        if motions.modes.shape[1] == 0 or motions.neutral.shape[1] == 0:
+        if motions.modes.shape[1] == 0 or motions.kernel.shape[1] == 0:
             return fields
         moves = []
-        parts = motions.by_owner(motions.neutral)
+        parts = motions.by_owner(motions.kernel)
         for problem, owner, part in zip(self._ensemble.problems, motions.owners, parts, strict=True):
             moves.append(problem.dofs.rigid_displacements(owner.coefficients @ part))
         drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
         return [replace(f, displacement=f.displacement - move @ drift) for f, move in zip(fields, moves, strict=True)]
 
     def _closed(self, interface: Interface) -> Floats:
-        """u_αn + u_βn at the points of an interface, (points,), from the unknowns alone where they tell it."""
+        """u_αn + u_βn at the points of an interface, (points,), from the condensed unknowns where they suffice."""
         problems, unknowns = self._ensemble.problems, self._ensemble.split(self._state.unknowns)
         seen = [problems[side.body].seen(unknowns[side.body], side.trace) for side in interface.sides]
         told = [values for values in seen if values is not None]
@@ -523,7 +552,7 @@ class Solution:
 
 def _passed(interface: Interface, gaps: Floats) -> str:
     """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
-    contact, limit = interface.contact, interface.contact.layer.compression_limit
+    contact, limit = interface.contact, interface.layer.compression_limit
     if limit is math.inf:
         return ""
     limit = np.broadcast_to(limit, gaps.shape)
@@ -553,7 +582,7 @@ def _resampled(interface: Interface, degree: int) -> Interface:
 def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio: float, wavers: bool) -> ContactResult:
     """The result at an interface's points; ratio: k h/E of the layer where it presses; wavers: whether its pressure
     does."""
-    meshed = next(s.surface for s, (b, _) in zip(interface.sides, interface.contact.sides, strict=True) if b.mesh)
+    meshed = next(side.surface for side in interface.sides if isinstance(side.surface, ContactSurface))
     if interface.gathered is None:
         nodal = interface.functions.projected(pressure, interface.weights)
         node_x, projected = interface.functions.x, interface.functions.at_values @ nodal
@@ -569,7 +598,7 @@ def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio:
         interface.unmatched,
         interface.gap,
         meshed.corners,
-        meshed.body.kinematics.ring,
+        meshed.body.kinematics.axisymmetric,
         pressure,
         projected,
         node_x,
@@ -584,5 +613,5 @@ def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> fl
     """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
     pressing = pressure > 0.0
     shares = interface.weights[pressing] * pressure[pressing]
-    stiffness = interface.contact.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
+    stiffness = interface.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
     return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

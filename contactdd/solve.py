@@ -8,6 +8,7 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import nullcontext
 from functools import wraps
 from pathlib import Path
 from typing import ParamSpec
@@ -40,12 +41,12 @@ P = ParamSpec("P")
 #: γ of the decomposed methods if nothing is said: the paper's best.
 BEST_GAMMA = 0.6
 
-#: What part of the layer's compression facets may hide without a word.
+#: Largest uncertainty of the gap behind curved facets, relative to the layer's compression, without a warning.
 DOUBTFUL = 0.1
 
 
 def _by_all_ranks(function: Callable[P, Solution]) -> Callable[P, Solution]:
-    """The same function of a scene, in which an error or Ctrl-C of one rank ends all."""
+    """The same function of a scene, made collective: an error or Ctrl-C on one rank ends it on all."""
 
     @wraps(function)
     def together(*arguments: P.args, **options: P.kwargs) -> Solution:
@@ -80,36 +81,66 @@ def solve(
     resume: bool = False,
     time_limit: float | None = None,
 ) -> Solution:
-    """Solve the contact problem (15) of a scene.
+    """The solution of the contact problem (15) of a scene.
 
-    method: "auto" (a Newton method made global by the energy; its history tells what it chose), the decomposed
-        "one-point" (22), "chord" (32), "kurchatov" (36), "neumann", "robin" and "anderson" (the chord method,
-        accelerated), "newton-krylov" (Newton's method by solves of the bodies apart), the coupled "newton" (17),
-        "newton-chord" (26), "newton-kurchatov" (27), or a `Scheme`.
-    gamma: the relaxation γ > 0: a number, a sequence, a function of the iteration from 0, or "search" for the minimum
-        of the energy F₁; by default 0.6 for the decomposed methods and "search" for the others.
-    tolerance, criterion: "residual" asks for ‖F₁'(u)‖ relative to the forces at work; "change" is the paper's rule,
-        ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
-    start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution` to
-        go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by the
-        mean load, the others from no deformation, with bodies that float moved until their contacts close.
-    previous: u_n of the iterate before the start, for the two-point methods (by default the start itself).
-    local_solver: "condensed" (each body seen from its contacts), "assembled" (reassemble and refactor every time),
-        "multigrid" (nothing is factored, for large solids), or "auto".
-    callback: called with each iteration's `Record`; the run ends when it returns True.
-    progress: show a progress bar; by default when somebody watches.
-    on_failure: "raise", or "return" the solution with its status.
-    checkpoint: a file that keeps the state: written every `checkpoint_every` seconds, at the end and when the run is
-        interrupted (Ctrl-C, SIGTERM) or fails; where it is something else than a checkpoint of the same bodies and
-        method, or another run writes it, that stays as it is and a file beside it is taken, with a warning; so is
-        there a warning, and no more, where it can't be written. resume: go on from that file, to the same digits, if
-        it is there.
-    time_limit: seconds after which the run stops with the status "stopped".
+    Args:
+        scene: The scene.
+        method: "auto" (Newton's method with an exact line search on the convex energy F₁; `history` notes which linear
+            solver was chosen), the decomposed "one-point" (22), "chord" (32), "kurchatov" (36), "neumann", "robin" and
+            "anderson" (the chord method, accelerated), the coupled "newton" (17), "newton-chord" (26) and
+            "newton-kurchatov" (27), "newton-krylov" (17) (its linear systems by conjugate gradients, preconditioned by
+            solves of the single bodies), or a `Scheme`.
+        gamma: The relaxation γ > 0: a number, a sequence (the run ends with it), a function of the iteration from 0, or
+            "search" for the minimum of the energy F₁; by default 0.6 for the decomposed methods and "search" for the
+            others.
+        tolerance: The bound of the stopping criterion (no unit).
+        criterion: "residual": ‖F₁'(u)‖ relative to the forces at work; or "change", the paper's rule,
+            ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
+        max_iterations: The largest number of iterations; after it the run ends with the status "iteration limit".
+        start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution`
+            to go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by
+            the mean load, the others from undeformed bodies, of which floating ones are moved until their contacts
+            close.
+        previous: u_n of the iterate before the start (length), for the two-point methods; by default the start itself.
+        local_solver: "condensed" (each body is condensed once to the displacements at its contacts, by a Schur
+            complement; the default up to a size), "assembled" (each body's full matrix is assembled and factored in
+            every iteration), "multigrid" (nothing is factored, for large solids), a registered name, or "auto".
+        callback: A function of each iteration's `Record`; the run ends when it returns True.
+        progress: Whether a progress bar is shown, by default on a terminal or in a notebook.
+        on_failure: "raise" an error, or "return" the last iterate as a solution with its status.
+        checkpoint: The path of a file to keep the state in. It is written every `checkpoint_every` seconds, at the end
+            and when the run is interrupted (Ctrl-C, SIGTERM) or fails. A file that is no checkpoint of the same bodies
+            and method, or that another run writes, is kept, and a file beside it is taken, with a warning; a file that
+            cannot be written causes a warning only.
+        checkpoint_every: The time between checkpoints (s).
+        resume: Whether to go on from the checkpoint, to the same digits, if the file exists.
+        time_limit: The time after which the run stops with the status "stopped" (s), by default unlimited.
 
-    Warns (`LayerRangeWarning`) where a layer is compressed further than its law is known.
+    Returns:
+        The solution; with the status "stopped" if the callback or the time limit ended the run.
 
-    Raises NotConvergedError where the run ends without a solution, NoEquilibriumError where there is none,
-    CheckpointError for a checkpoint that is damaged or of another run, ValueError for one of hard contacts.
+    Raises:
+        TypeError, ValueError: An argument is none of these; hard contacts with a checkpoint.
+        NotConvergedError: The run ended without a solution.
+        NoEquilibriumError: There is no solution: the loads move a body for ever.
+        CheckpointError: The checkpoint is damaged or of another run.
+
+    Warns:
+        LayerRangeWarning: A layer is compressed further than its law is known.
+        LargeStrainWarning: Strains or rotations are too large for linear theory.
+        ContactWarning: Facets leave open which curved surface is meant.
+        RuntimeWarning: The checkpoint cannot be written, or not in the file given.
+
+    Example:
+        >>> import contactdd as cd
+        >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.0), cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> lower = cd.Body("lower", mesh, steel, supports=[cd.Fixed("bottom")])
+        >>> rollers = [cd.Symmetry("left"), cd.Symmetry("right")]
+        >>> upper = cd.Body("upper", mesh.moved((0, 1)), steel, supports=rollers, loads=[cd.Pressure("top", 3.0)])
+        >>> contact = cd.Contact((lower, "top"), (upper, "bottom"), cd.LinearLayer(1e4))
+        >>> solution = cd.solve(cd.Scene([lower, upper], [contact]))
+        >>> solution.status, round(solution.contact().peak_pressure, 6)
+        ('converged', 3.0)
     """
     ranks = scene.ranks
     scheme = find_scheme(method)
@@ -135,18 +166,21 @@ def solve(
     if hard and scheme.decomposed:
         interfaces = [interface.decomposed() for interface in interfaces]
     ensemble = Ensemble(problems, interfaces)
-    if resume and ranks.once(file.exists):
-        earlier = read(file, ensemble, scheme.name, ranks)
+    step = find_step(scheme, ensemble, ranks)
+    run: Run | AugmentedRun
+    if file is not None and resume and ranks.once(file.exists):
+        run = Run(ensemble, ranks, scheme, step, *read(file, ensemble, scheme.name, ranks))
     else:
-        earlier = (_start(ensemble, ranks, scheme, gamma, start, previous),)
-    run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, find_step(scheme, ensemble, ranks), *earlier)
-    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run)
-    with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper:
+        first = _start(ensemble, ranks, scheme, gamma, start, previous)
+        run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, step, first)
+    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
+    with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper or nullcontext():
         deadline = time.monotonic() + seconds
 
         def observe(record: Record) -> bool:
             bar.update(record)
-            keeper.update()
+            if keeper is not None:
+                keeper.update()
             return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
@@ -163,7 +197,7 @@ def solve(
 
 
 def _warn_of_facets(solution: Solution) -> None:
-    """Warn where what facets hide of a curved surface is not small beside what the layer is compressed by."""
+    """Warn where the uncertainty of the gap behind facets is not small compared with the layer's compression."""
     for interface in solution.interfaces:
         if interface.doubt is not None and solution.scene.ranks.comm.rank == 0:
             result = solution.contact(interface.contact.name)
@@ -198,7 +232,7 @@ def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> Stoppi
 
 
 def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
-    """γ^0, γ^1, … of whatever the user gave; None where it is to be searched."""
+    """The relaxations γ^0, γ^1, …; None where γ is found by a line search."""
     if gamma is None:
         gamma = BEST_GAMMA if scheme.decomposed else "search"
     if isinstance(gamma, str):
@@ -206,7 +240,7 @@ def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
         return itertools.repeat(None)
     if callable(gamma):
         return (positive("gamma", gamma(k)) for k in itertools.count())
-    if isinstance(gamma, Iterable) and np.ndim(gamma) > 0:
+    if isinstance(gamma, Iterable) and np.asarray(gamma).ndim > 0:
         values = [positive("gamma", value) for value in gamma]
         if not values:
             raise ValueError(f"gamma = {gamma!r}: expected at least one number")
@@ -215,7 +249,7 @@ def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
 
 
 def _file(checkpoint: str | Path | None, resume: bool) -> Path | None:
-    """The file of the checkpoint, in a folder that is there."""
+    """The path of the checkpoint, checked: a file in a folder that can be written to."""
     if checkpoint is None:
         if resume:
             raise ValueError("resume = True: expected a checkpoint to go on from")
@@ -229,7 +263,7 @@ def _file(checkpoint: str | Path | None, resume: bool) -> Path | None:
 
 
 def _check_start(start: starts.Given | Solution | None, previous: starts.Given | None) -> None:
-    """Refuse what no run can start from."""
+    """Refuse a start that is no number, function or solution."""
     if start is None and previous is not None:
         raise ValueError(f"previous = {previous!r}: expected a start to go with it")
     for name, value in (("start", None if isinstance(start, Solution) else start), ("previous", previous)):
@@ -251,6 +285,6 @@ def _start(
         return starts.with_multipliers(state, ensemble, start.multipliers)
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
-    # Bodies that touch but do not press hold nothing; only a step that the energy watches over survives that.
+    # Contacts without pressure hold no body; only a line search on the energy survives that.
     guarded = not scheme.decomposed and (gamma is None or isinstance(gamma, str))
-    return starts.together(ensemble) if guarded else starts.closed(ensemble, ranks)
+    return starts.rigidly_closed(ensemble) if guarded else starts.uniformly_closed(ensemble, ranks)

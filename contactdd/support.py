@@ -1,4 +1,4 @@
-"""Supports: which displacements are prescribed, and springs."""
+"""Supports: prescribed displacements and springs."""
 
 from __future__ import annotations
 
@@ -25,10 +25,14 @@ Condition = tuple[NDArray[np.int32], Floats, Floats]
 
 @dataclass(frozen=True)
 class Fixed:
-    """No displacement at all on the named surfaces, eq. (5).
+    """A support that prevents all displacements on the named surfaces, eq. (5).
 
     Args:
         surfaces: Their names, one argument each.
+
+    Example:
+        >>> Fixed("left", "bottom")
+        Fixed(surfaces=('left', 'bottom'))
     """
 
     surfaces: tuple[str, ...]
@@ -50,10 +54,14 @@ class Fixed:
 
 @dataclass(frozen=True)
 class Symmetry:
-    """No normal displacement and no shear on the named surfaces, each of which has to be flat.
+    """A plane of symmetry: no normal displacement and no shear on the named surfaces, each of which has to be flat.
 
     Args:
         surfaces: Their names, one argument each.
+
+    Example:
+        >>> Symmetry("left")
+        Symmetry(surfaces=('left',))
     """
 
     surfaces: tuple[str, ...]
@@ -83,6 +91,10 @@ class Displacement:
 
     Raises:
         TypeError, ValueError: A value can be no displacement.
+
+    Example:
+        >>> Displacement("top", (None, -0.01))
+        Displacement(surface='top', values=(None, -0.01))
     """
 
     surface: str
@@ -126,10 +138,10 @@ class Displacement:
 
 @dataclass(frozen=True)
 class Spring:
-    """An elastic foundation on a named surface: it answers a displacement u with the traction −k u.
+    """An elastic foundation on a named surface, which resists a displacement u by the traction −k u.
 
-    A body that only springs hold loses digits as they get softer than itself; at 1e-8 of its stiffness a solve no
-    longer converges.
+    A body that is held by springs alone loses digits as they get softer than itself; at 1e-8 of its stiffness a solve
+    no longer converges.
 
     Args:
         surface: The name of the surface.
@@ -138,6 +150,10 @@ class Spring:
 
     Raises:
         TypeError, ValueError: The stiffness or the direction can be none.
+
+    Example:
+        >>> Spring("bottom", stiffness=50.0, direction="normal")
+        Spring(surface='bottom', stiffness=50.0, direction='normal')
     """
 
     surface: str

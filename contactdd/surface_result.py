@@ -1,4 +1,4 @@
-"""A contact surface facet by facet, as plain arrays: what maps and files show of it."""
+"""A contact surface facet by facet, as plain arrays, for maps and files."""
 
 from __future__ import annotations
 
@@ -8,27 +8,36 @@ import numpy as np
 
 from .base.arrays import Floats, Indices
 
-#: What `SurfaceResult.status` says.
+#: The values of `SurfaceResult.status` in words.
 STATUS = {0: "nothing opposite", 1: "open", 2: "partly closed", 3: "closed"}
 
 
 @dataclass(frozen=True)
 class SurfaceResult:
-    """One body's side of a contact, f facets on m nodes of the body's own degree.
+    """One body's surface of a contact, f facets on m nodes of the body's own degree.
 
-    Args:
-        name: of the contact.
-        body: the name of the body whose surface it is.
-        points: (m, dim) the nodes.
-        cells: (f, k) the nodes of each facet, in VTK's order.
+    Attributes:
+        name: The name of the contact.
+        body: The name of the body whose surface it is.
+        points: (m, dim) The nodes before deformation (length).
+        cells: (f, k) The nodes of each facet, in VTK's order.
         cell_type: VTK's number of the facets' shape.
-        displacement: (m, dim) of the body at the nodes (length).
-        areas: (f,) of the facets.
-        covered: (f,) the part of each facet that lies opposite the other surface.
-        closed: (f,) the part of what is covered where the layer is compressed.
-        pressure: (f,) the mean over the facet, so that areas @ pressure is the contact force (stress).
-        gap, compression: (f,) the means over what is covered (length); not a number where that is nothing.
-        projected_pressure: (m,) the `ContactResult.nodal_pressure` at the nodes, on the surface that it belongs to.
+        displacement: (m, dim) The body's displacements at the nodes (length).
+        areas: (f,) The areas of the facets, those of the full ring in a body of revolution.
+        covered: (f,) The fraction of each facet that lies opposite the other surface.
+        closed: (f,) The fraction of the covered part where the layer is compressed.
+        pressure: (f,) The mean contact pressure of each facet, so that areas @ pressure is the contact force (stress).
+        gap, compression: (f,) The means over the covered part (length); not a number where nothing is covered.
+        projected_pressure: (m,) The `ContactResult.nodal_pressure` at the nodes (stress); None on the surface that it
+            does not belong to.
+
+    Example:
+        >>> import contactdd as cd
+        >>> x, u = np.array([[0.0, 1.0], [1.0, 1.0]]), np.zeros((2, 2))
+        >>> one, gap = np.ones(1), np.array([-0.01])
+        >>> surface = cd.SurfaceResult("l-u", "l", x, np.array([[0, 1]]), 3, u, one, one, one, 5 * one, gap, gap)
+        >>> surface.status, surface.areas @ surface.pressure
+        (array([3]), np.float64(5.0))
     """
 
     name: str
@@ -47,7 +56,7 @@ class SurfaceResult:
 
     @property
     def status(self) -> Indices:
-        """The state of each facet, (f,), see `STATUS`; 1e-6 of a facet is rounding."""
+        """The state of each facet, (f,), see `STATUS`; fractions up to 1e-6 of a facet are rounding."""
         state = np.where(self.closed >= 1.0 - 1e-6, 3, np.where(self.closed > 1e-6, 2, 1))
         return np.where(self.covered > 1e-6, state, 0)
 
@@ -59,7 +68,7 @@ class SurfaceResult:
 
     @property
     def edge(self) -> Floats:
-        """The edge of contact in space as line segments, (e, 2, 3): where the gap is zero between facets.
+        """The edge of contact in space as line segments, (e, 2, 3) (length): where the gap is zero between facets.
 
         The gap is taken as linear from each facet's middle, where it is the facet's mean, to its corners, where it is
         the mean of the facets around. The surface's own rim is not part of the edge. (0, 2, dim) in the plane.

@@ -49,7 +49,7 @@ def test_ways_of_assembly(way, monkeypatch):
     scene = stack([cd.Fixed("bottom")], [cd.Symmetry("left")])
     ensemble = together(scene, "assembled" if way == "all unknowns" else "condensed")
     system = CoupledSystem(ensemble)
-    assert isinstance(ensemble.closing, np.ndarray) == (way == "full product")
+    assert isinstance(ensemble.normal_approach, np.ndarray) == (way == "full product")
     random = np.random.default_rng(1)
     phi = {0: 1e5 * random.random(len(scene.interfaces[0].weights))}
     residual = random.random(ensemble.size)
@@ -138,7 +138,7 @@ def test_a_body_that_turns_about_the_only_closed_point():
     phi[3] = 1e5
     free = ensemble.rigid.free({0: phi})
     assert free.shape[1] == 2
-    assert np.abs(ensemble.closing[3] @ ensemble.rigid.modes @ free).max() < 1e-12
+    assert np.abs(ensemble.normal_approach[3] @ ensemble.rigid.modes @ free).max() < 1e-12
     forces = ensemble.rigid.modes @ free[:, 0]
     with pytest.raises(LooseBodyError, match="upper"):
         ensemble.rigid.fixing_dofs({0: phi}, forces, 1.0)

@@ -435,7 +435,7 @@ def test_any_stack(seed):
     solution = cd.solve(cd.Scene(bodies, contacts))
     assert solution.imbalance < 1e-8
     for index in range(2):
-        result, stiffness = solution.contact(index), solution.interfaces[index].contact.layer.stiffness
+        result, stiffness = solution.contact(index), solution.interfaces[index].layer.stiffness
         # min(k z, p) = 0 to the multipliers' tolerance
         assert np.abs(np.minimum(stiffness * result.gap, result.pressure)).max() < 2e-6 * result.pressure.max()
 

@@ -179,5 +179,5 @@ def test_bent_surfaces_are_no_rigid_motion():
 def test_start_follows_what_is_prescribed():
     scene = moved_foundation((0.0, 7.0))
     ensemble = Ensemble(scene.local_problems("condensed"), scene.interfaces)
-    for state in (start.together(ensemble), start.closed(ensemble, scene.ranks)):
+    for state in (start.rigidly_closed(ensemble), start.uniformly_closed(ensemble, scene.ranks)):
         assert min(z.min() for z in state.gaps) == pytest.approx(-5.0357e-5, rel=1e-2)  # B q^a of the block's load

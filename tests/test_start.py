@@ -24,7 +24,7 @@ def pair(distance: float, supports: list[object], load: float = 10.0) -> cd.Scen
 def test_floating_bodies_are_pressed_together():
     scene = scenes.paper()
     ensemble = Ensemble(scene.local_problems("condensed"), scene.interfaces)
-    state = start.together(ensemble)
+    state = start.rigidly_closed(ensemble)
     # 10 MPa on the whole contact: the law of the layer says how deep.
     assert state.gaps[0].min() == pytest.approx(-4e-6 * 10**1.1, rel=1e-12)
     assert np.abs(state.deformation).max() < 1e-14 * np.abs(state.unknowns).max()
@@ -38,7 +38,7 @@ def test_floating_bodies_are_pressed_together():
 def test_only_what_floats_is_moved(distance):
     scene = pair(distance, [cd.Symmetry("left", "right")])
     ensemble = Ensemble(scene.local_problems("condensed"), scene.interfaces)
-    state = start.together(ensemble)
+    state = start.rigidly_closed(ensemble)
     assert np.all(state.unknowns[ensemble.parts[0]] == 0.0)
     assert state.gaps[0] == pytest.approx(-4e-6 * 10**1.1, rel=1e-9)  # 1e-13 of the distance
     solution = cd.solve(scene)
@@ -58,7 +58,7 @@ def test_only_what_floats_is_moved(distance):
 def test_what_is_held_or_not_pressed_stays(supports, load):
     scene = pair(0.05, supports, load)
     ensemble = Ensemble(scene.local_problems("condensed"), scene.interfaces)
-    state = start.together(ensemble)
+    state = start.rigidly_closed(ensemble)
     assert np.all(state.unknowns == 0.0)
 
 
@@ -82,7 +82,7 @@ def columns(prescribed: float, tilt: float = 0.0) -> cd.Scene:
 def test_what_is_moved_presses_evenly(local_solver):
     """Of rigid columns on linear layers the start is the equilibrium: springs in a row share the force."""
     scene = columns(-4e-3)
-    state = start.together(Ensemble(scene.local_problems(local_solver), scene.interfaces))
+    state = start.rigidly_closed(Ensemble(scene.local_problems(local_solver), scene.interfaces))
     first, second = (z.mean() for z in state.gaps)
     assert first + second == pytest.approx(-4e-3, rel=1e-12)
     assert 1e4 * first == pytest.approx(3e4 * second, rel=1e-9)  # rounding; linear layers need no second look

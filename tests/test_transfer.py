@@ -554,7 +554,7 @@ def test_a_part_out_of_reach_is_outside_the_contact():
     upper = moved(cd.rectangle((0, 1), (4, 2), (40, 3)), lambda x: x + np.outer(x[:, 0] / 4, [0, 1.0]))
     whole, near = (two(cd.rectangle(*LOWER), upper, search_distance=d).interfaces[0] for d in (None, 0.5))
     assert np.abs(near.gap).max() < 0.5 + 0.03  # segments are kept or not as a whole
-    assert near.unpaired_area[0] == pytest.approx(2.0, abs=0.3)
+    assert near.unmatched[0] == pytest.approx(2.0, abs=0.3)
     assert near.weights.sum() < 0.6 * whole.weights.sum()
 
 

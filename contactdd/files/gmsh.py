@@ -34,12 +34,12 @@ def from_gmsh(model: Any, dim: int | None = None, *, body: str | None = None) ->
     Args:
         model: `gmsh.model`, with a mesh.
         dim: 2 or 3; by default 3 if the model has solid cells.
-        body: the physical group of dimension `dim` to take where the model has several; by default all cells in groups,
+        body: The physical group of dimension `dim` to take where the model has several; by default all cells in groups,
             or all cells if none is in a group.
 
     Raises:
-        ValueError: where there are no cells or no such group, for cells of several kinds or of one that cannot be
-            computed with, and for a group of facets that belong to no cell.
+        ValueError: There are no cells or no such group; the cells are of several kinds, or of one that cannot be
+            computed with; a group has facets that belong to no cell.
     """
     return contents(model, dim, "the gmsh model").mesh(body)
 
@@ -97,7 +97,7 @@ def _joined(parts: Iterator[Integers]) -> Integers:
 
 
 def read(path: Path, dim: int | None, script: bool, order: int, parameters: Mapping[str, float]) -> Contents:
-    """What a .msh file or a .geo script holds."""
+    """The nodes, cells and groups of a .msh file or a .geo script."""
     if not script and (parameters or order != 1):
         raise ValueError(f"path = {str(path)!r}: parameters and order are for .geo scripts; a .msh file has its own")
     import gmsh
@@ -112,7 +112,7 @@ def read(path: Path, dim: int | None, script: bool, order: int, parameters: Mapp
 
 
 def read_other(path: Path, dim: int | None) -> Contents:
-    """What a file of another program holds that gmsh reads."""
+    """The nodes, cells and groups of a file of another program that gmsh reads."""
     import gmsh
 
     with _session(gmsh) as own, _opened(gmsh, path, own):

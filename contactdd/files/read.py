@@ -23,15 +23,21 @@ def read_gmsh(
     the parameters or the order change.
 
     Args:
-        path: a .msh file of gmsh 2 or 4, or a .geo script.
+        path: The path of a .msh file of gmsh 2 or 4, or of a .geo script.
         dim: 2 or 3; by default 3 if there are solid cells.
-        body: the physical group of cells to take, see `from_gmsh`.
-        order: of the geometry that a script gets, 2 for curved cells.
-        parameters: numbers that the script declares under "Parameters/".
+        body: The physical group of cells to take, see `from_gmsh`.
+        order: The degree of the geometry made from a script, 2 for curved cells.
+        parameters: Numbers that the script declares under "Parameters/".
+
+    Returns:
+        The mesh, with a surface for each physical group of facets.
 
     Raises:
-        FileNotFoundError: if there is no such file.
-        ValueError: if it is in another format, which is named before gmsh sees it, or for what `from_gmsh` refuses.
+        FileNotFoundError: There is no such file.
+        ValueError: The file is in another format, which is named before gmsh sees it, or `from_gmsh` refuses it.
+
+    Example:
+        >>> cd.read_gmsh("punch.geo", order=2, radius=12.5)  # doctest: +SKIP
     """
     path = Path(path)
     found = format_of(path)
@@ -46,17 +52,20 @@ def read_mesh(
     r"""The mesh of a body in a file of gmsh, Abaqus or CalculiX, or in a universal file, with its named surfaces.
 
     Args:
-        path: the file; how it begins tells its format.
-        body: the group of cells to take: a physical group of gmsh, an *ELSET of a deck (in capitals), a group of
+        path: The path of the file; its first bytes tell the format.
+        body: The group of cells to take: a physical group of gmsh, an *ELSET of a deck (in capitals), a group of
             elements. By default all cells; of gmsh's files those in groups, if there are such.
         dim: 2 or 3; by default 3 if there are solid cells.
-        order: of the geometry that a .geo script gets.
-        parameters: numbers of a .geo script.
+        order: The degree of the geometry made from a .geo script.
+        parameters: Numbers of a .geo script.
+
+    Returns:
+        The mesh, with a surface for each named group of facets.
 
     Raises:
-        FileNotFoundError: if there is no such file.
-        ValueError: if the format is not read here, with what to do; if there is no such group; for cells of several
-            kinds, or that cannot be computed with; for groups of facets that belong to no cell.
+        FileNotFoundError: There is no such file.
+        ValueError: The format is not read here (the message says what to do); there is no such group; the cells are of
+            several kinds, or none that can be computed with; groups of facets belong to no cell.
 
     Example:
         >>> import tempfile, pathlib
@@ -72,20 +81,20 @@ def read_mesh(
 
 
 def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **parameters: float) -> dict[str, Mesh]:
-    """Every group of cells in a file as a mesh of its own, {name: mesh}; see `read_mesh`.
+    """The meshes of all groups of cells in a file, {name: mesh}; see `read_mesh`.
 
-    Groups may overlap: which of them are the bodies is yours to choose. `Mesh.pieces` takes apart what one group
-    holds together.
+    Groups may overlap: which of them are the bodies is yours to choose. `Mesh.pieces` separates bodies that share a
+    group.
 
     Args:
-        path: the file; how it begins tells its format.
+        path: The path of the file; its first bytes tell the format.
         dim: 2 or 3; by default 3 if there are solid cells.
-        order: of the geometry that a .geo script gets.
-        parameters: numbers of a .geo script.
+        order: The degree of the geometry made from a .geo script.
+        parameters: Numbers of a .geo script.
 
     Raises:
-        FileNotFoundError: if there is no such file.
-        ValueError: if there are no groups of cells, or for what `read_mesh` refuses.
+        FileNotFoundError: There is no such file.
+        ValueError: There are no groups of cells, or `read_mesh` refuses one.
     """
     path = Path(path)
     found = _contents(path, format_of(path), dim, order, parameters)
@@ -95,7 +104,7 @@ def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **p
 
 
 def _contents(path: Path, found: str, dim: int | None, order: int, parameters: Mapping[str, float]) -> Contents:
-    """What a file in a format that is read here holds."""
+    """The nodes, cells and groups of a file in one of the formats that are read here."""
     if dim not in (None, 2, 3):
         raise ValueError(f"dim = {dim!r}: expected 2 or 3")
     if found in ("gmsh mesh", "gmsh script"):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
 from typing import Any
 
@@ -17,7 +17,7 @@ from ..base.facets import dot
 from ..contact import Contact, Gap
 from ..errors import MeshMismatchError
 from ..field import evaluate
-from ..hard_contact import AugmentedLayer, HardContact, augmented_layer
+from ..hard_contact import HardContact, augmented_layer
 from ..layer import Layer
 from ..meshless import MeshlessBody
 from ..quadrature import Quadrature, find_quadrature
@@ -37,9 +37,16 @@ class InterfaceSide:
     """
 
     body: int
-    surface: ContactSurface
+    surface: ContactSurface | PointSurface
     trace: scipy.sparse.csr_matrix
     transfer: Gather | scipy.sparse.csr_matrix
+
+    @property
+    def meshed(self) -> ContactSurface:
+        """The surface of a body that has a mesh."""
+        if not isinstance(self.surface, ContactSurface):
+            raise TypeError(f"body {self.body} of the scene has no mesh; expected one with facets")
+        return self.surface
 
 
 @dataclass(frozen=True)
@@ -65,7 +72,7 @@ class Interface:
     functions of one surface's nodes; unmatched: the area of either surface that has no partner; facets: on meshes that
     match, the second surface's opposite each of the first's; gathered: (nodes, n) which point's value each node of a
     surface takes, None where the points are no nodes; doubt: (n,) by how much `measured` may be off where the facets do
-    not tell what surface is meant, None if they do. The contact's layer is always a law; a hard contact has its
+    not tell what surface is meant, None if they do; layer: the contact's law at the points, a hard contact's
     `AugmentedLayer`. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
@@ -82,10 +89,17 @@ class Interface:
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
     doubt: Floats | None = None
+    layer: Layer = field(init=False)
 
     def __post_init__(self) -> None:
-        # However the interface came about: its layer is the one at its points. One that varies nowhere is itself.
-        object.__setattr__(self, "contact", self.contact.at(self.x.T))
+        # However the interface came about: its law is the one of its contact, at its points.
+        object.__setattr__(self, "layer", self._law())
+
+    def _law(self) -> Layer:
+        layer = self.contact.layer
+        if isinstance(layer, HardContact):
+            return augmented_layer(layer, min(float(each.max()) for each in self._facet_stiffnesses))
+        return layer.at(self.x.T)
 
     @cached_property
     def functions(self) -> LinearFunctions:
@@ -121,26 +135,25 @@ class Interface:
     @cached_property
     def gap(self) -> Floats:
         """d at the points, (n,), counted from where the layer begins."""
-        return self.measured + self.shape - self.contact.layer.clearance
+        return self.measured + self.shape - self.layer.clearance
 
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
-        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap)).with_layer(contact.layer)
+        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap))
 
     def with_layer(self, layer: Layer | HardContact) -> Interface:
         """The same interface with the law of another layer."""
-        if isinstance(layer, HardContact):
-            layer = augmented_layer(layer, min(float(each.max()) for each in self._facet_stiffnesses))
-        return replace(self, contact=self.contact.with_law(layer))
+        return replace(self, contact=self.contact.with_layer(layer))
 
     def decomposed(self) -> Interface:
         """The same interface for decomposed methods, which solve hard contacts more softly."""
-        return self.with_layer(self.contact.layer.decomposed()) if self.hard else self
+        layer = self.contact.layer
+        return self.with_layer(layer.decomposed()) if isinstance(layer, HardContact) else self
 
     @property
     def hard(self) -> bool:
         """Whether the contact has no layer."""
-        return isinstance(self.contact.layer, AugmentedLayer)
+        return isinstance(self.contact.layer, HardContact)
 
 
 def without_rounding(distance: Floats, size: float) -> Floats:
@@ -159,12 +172,6 @@ def discretise(
     facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
     split into segments even where they match.
     """
-    interface = _discretised(contact, bodies, facets, split)
-    return interface.with_layer(contact.layer) if isinstance(contact.layer, HardContact) else interface
-
-
-def _discretised(contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None, split: bool) -> Interface:
-    """The interface with the layer that the contact has."""
     degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
     quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     if any(body.mesh is None for body, _ in contact.sides):

@@ -15,6 +15,7 @@ import scipy
 
 from ..base import compat
 from ..base.arrays import Floats, Indices
+from ..base.basis import basis_values
 from ..base.facets import FacetPoints, facet_nodes
 from .surface import ContactSurface
 
@@ -90,7 +91,7 @@ def node_coordinates(surface: ContactSurface) -> Floats:
 def hats(surface: ContactSurface, points: FacetPoints) -> scipy.sparse.csr_matrix:
     """The linear functions of a surface's nodes at points of its facets, (points, nodes)."""
     domain, nodes = surface.body.mesh.domain, _nodes(surface)
-    basis = _linear(compat.coordinate_map(domain).cell_type).tabulate(0, points.reference)[0, :, :, 0]
+    basis = basis_values(_linear(compat.coordinate_map(domain).cell_type), points.reference)
     point, corner = np.nonzero(basis > 1e-12)  # those of inner vertices vanish on a facet
     # The first of a cell's geometry nodes are its vertices.
     place = np.searchsorted(nodes, compat.geometry_dofmap(domain)[points.cells[point], corner])

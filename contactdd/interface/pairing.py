@@ -12,6 +12,7 @@ result then gives the projected pressure; the quadrature "mortar" asks at the no
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import basix
@@ -19,6 +20,7 @@ import numpy as np
 import scipy
 
 from ..base.arrays import Floats, Indices
+from ..base.basis import quadrature_rule
 from ..base.facets import FacetPoints, dot, facet_map, facet_points
 from ..errors import MeshMismatchError
 from .detection import FACING, facing_pairs
@@ -71,7 +73,7 @@ class PointPairs:
     def covered(self, side: int, count: int) -> Floats:
         """How much of each of the side's `count` facets has a partner, in the facet's own area."""
         slope = np.abs(dot(self.points[side].normal, self.normal))
-        return np.bincount(self.facets[side], self.weights / slope, count)
+        return np.asarray(np.bincount(self.facets[side], self.weights / slope, count), dtype=float)
 
 
 @dataclass(frozen=True)
@@ -167,7 +169,7 @@ def pair_by_segments(contact: Contact, first: ContactSurface, second: ContactSur
     pairs = (pairs[0][facing], pairs[1][facing])
     common = common_normals(flat[0][pairs[0]], flat[1][pairs[1]])
     simplex = basix.CellType.interval if first.body.mesh.dim == 2 else basix.CellType.triangle
-    rule = basix.make_quadrature(simplex, first.rule.degree)
+    rule = quadrature_rule(simplex, first.rule.degree)
     found = segments(first.corners[pairs[0]], second.corners[pairs[1]], common, *rule)
     if len(found.pair) == 0:  # an element is not asked for its values at no point
         raise MeshMismatchError(_why_none(contact, first, second))
@@ -210,9 +212,7 @@ def _opposite(
         for place, side in enumerate(sides):
             entities = side.entities[facets[place]]
             domain = side.body.mesh.domain
-            local[place] = meet_line(
-                lambda s, domain=domain, entities=entities: facet_map(domain, entities, s), line, normal, local[place]
-            )
+            local[place] = meet_line(partial(facet_map, domain, entities), line, normal, local[place])
             points.append(facet_points(domain, entities, local[place]))
         outward = [_normals(*seen) for seen in zip(shapes, facets, local, points, strict=True)]
         if turns > 0:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from ..base import compat
 from ..base.arrays import Floats, Indices
+from ..base.basis import basis_values
 from ..base.facets import FacetPoints, dot, facet_map, facet_type, surface_points
 from .overlap import meet_line
 from .vertex_normals import SurfaceNodes, vertex_normals
@@ -363,7 +364,7 @@ class _Frame:
 
     def inner(self, local: Floats) -> Floats:
         """The functions of the other nodes at points, (n, k − c)."""
-        return np.asarray(self.element.tabulate(0, local))[0, :, len(self.corners) :, 0]
+        return basis_values(self.element, local)[:, len(self.corners) :]
 
     def edge_coordinates(self, local: Floats) -> tuple[Floats, Floats]:
         """How far along every edge points lie, t from 0 to 1, and how much its rise counts there, (n, e) each.

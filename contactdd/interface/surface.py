@@ -112,9 +112,11 @@ class ContactSurface:
     def nodal_trace(self) -> scipy.sparse.csr_matrix:
         """The normal displacement at the nodes of the surface, each once: what the paper's stopping rule looks at."""
         domain, dim = self.body.mesh.domain, self.body.mesh.dim
-        nodes = basix.create_element(
-            basix.ElementFamily.P, facet_type(domain), self.body.degree, basix.LagrangeVariant.equispaced
-        ).points
+        nodes = np.asarray(
+            basix.create_element(
+                basix.ElementFamily.P, facet_type(domain), self.body.degree, basix.LagrangeVariant.equispaced
+            ).points
+        )
         points = surface_points(domain, self.entities, nodes)
         size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
         _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)

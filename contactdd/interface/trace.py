@@ -11,6 +11,7 @@ from dolfinx import fem
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats
+from ..base.basis import basis_values
 from ..base.facets import FacetPoints, _rule_table
 
 
@@ -21,7 +22,7 @@ def normal_trace(
 
     normal: (n, dim), another direction than the outward normal.
     """
-    basis = space.element.basix_element.tabulate(0, points.reference)[0, :, :, 0]
+    basis = basis_values(space.element.basix_element, points.reference)
     point, node = np.nonzero(np.abs(basis) > 1e-14)
     nodes = space.dofmap.list[points.cells[point], node]
     return _normal_operator(space, point, nodes, basis[point, node], points.normal if normal is None else normal)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..hard_contact import AugmentedLayer
 from ..history import History, Record
 from ..scheme import Scheme
 from ..system.ensemble import Ensemble
@@ -92,8 +93,9 @@ class AugmentedRun:
 
         A contact that hardly presses beside the others is compared with a part of theirs.
         """
-        contacts = list(zip(self.ensemble.interfaces, self._multipliers(), self.state.shifts, strict=True))
-        hard = [(i.contact.layer.stiffness, new, old) for i, new, old in contacts if i.hard]
+        layers = [interface.layer for interface in self.ensemble.interfaces]
+        contacts = zip(layers, self._multipliers(), self.state.shifts, strict=True)
+        hard = [(law.stiffness, new, old) for law, new, old in contacts if isinstance(law, AugmentedLayer)]
         changes = np.array([k * np.abs(new - old).max() for k, new, old in hard])
         largest = np.array([k * max(new.max(), old.max()) for k, new, old in hard])
         scales = np.maximum(largest, FAINT * largest.max())

@@ -130,7 +130,7 @@ def _write(path: Path, header: dict[str, Any], run: Run, snapshot: Snapshot) -> 
     partial = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}.part")
     try:
         with open(partial, "xb") as file:
-            np.savez(file, **arrays)
+            np.savez(file, **arrays)  # type: ignore[arg-type]  # no name is `allow_pickle`, which is a bool
             file.flush()
             os.fsync(file.fileno())
         os.replace(partial, path)

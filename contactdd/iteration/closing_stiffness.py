@@ -22,11 +22,11 @@ def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], 
     With W = w χ g'(z) and C y = u_αn + u_βn the tangent gives (A + Cᵀ W C) dy = −Cᵀ W 1 dδ, dF = 1ᵀ W (1 dδ + C dy).
     """
     contacts = zip(ensemble.interfaces, gaps, strict=True)
-    phi = {index: interface.contact.layer.contact_derivative(z) for index, (interface, z) in enumerate(contacts)}
+    phi = {index: interface.layer.contact_derivative(z) for index, (interface, z) in enumerate(contacts)}
     weights = ensemble.weights * ensemble.at_all_points(phi)
     own = np.zeros(len(weights))
     own[ensemble.points[place]] = 1.0
-    rhs = -(ensemble.closing.T @ (weights * own))
+    rhs = -(ensemble.normal_approach.T @ (weights * own))
     if not np.any(rhs):
         return float(own @ weights)  # open, or nothing that could move
     step, left, before = find_step(SCHEMES["auto"], ensemble, ranks), rhs, np.inf
@@ -36,4 +36,4 @@ def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], 
         before = norm(left)
         y = y + ranks.agree(step.correct(phi, left, norm(rhs)))
         left = rhs - ensemble.tangent(phi, y)
-    return float(own @ (weights * (own + ensemble.closing @ y)))
+    return float(own @ (weights * (own + ensemble.normal_approach @ y)))

@@ -32,9 +32,9 @@ class CoupledSystem:
     def _solve_dense(self, weights: Floats, rhs: Floats, fixed: NDArray[np.intp]) -> Floats:
         # BLAS and LAPACK count by columns and need one triangle only.
         matrix = np.array(self._ensemble.stiffness).T
-        closing = self._ensemble.closing
-        if isinstance(closing, np.ndarray):
-            root = np.sqrt(weights)[:, None] * closing
+        approach = self._ensemble.normal_approach
+        if isinstance(approach, np.ndarray):
+            root = np.sqrt(weights)[:, None] * approach
             matrix = scipy.linalg.blas.dsyrk(1.0, root.T, beta=1.0, c=matrix, overwrite_c=True)
         else:
             places, entries = self._map
@@ -46,9 +46,9 @@ class CoupledSystem:
         return solution
 
     def _solve_sparse(self, weights: Floats, rhs: Floats, fixed: NDArray[np.intp]) -> Floats:
-        held, closing = np.zeros(len(rhs)), self._ensemble.closing
+        held, approach = np.zeros(len(rhs)), self._ensemble.normal_approach
         held[fixed] = self._ensemble.rigid.stiffness_scale
-        contacts = closing.T @ scipy.sparse.diags(weights) @ closing
+        contacts = approach.T @ scipy.sparse.diags(weights) @ approach
         return Factor((self._stiffness + scipy.sparse.diags(held) + contacts).tocsr()).solve(rhs)
 
     @cached_property
@@ -60,4 +60,4 @@ class CoupledSystem:
     @cached_property
     def _map(self) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
         """Where the contacts' terms stand in the dense matrix, and from the weights times φ to their entries."""
-        return product_map(self._ensemble.closing, np.ones(len(self._ensemble.weights)))
+        return product_map(self._ensemble.normal_approach, np.ones(len(self._ensemble.weights)))

@@ -43,9 +43,9 @@ class Krylov:
     def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
         rigid = self._ensemble.rigid
         rigid.fixing_dofs(phi, residual, scale)  # only its check
-        # Rounding alone works on the motions that nothing resists: out of the forces with it, and out of the steps.
-        idle = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]
-        rhs = residual - idle @ (idle.T @ residual)
+        # On free motions only rounding does work: it is removed from the forces, and the motions from the steps.
+        free = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]
+        rhs = residual - free @ (free.T @ residual)
         coarse = self._coarse_space(phi)
         image = self._ensemble.tangent(phi, coarse)
         inverse = _pseudo_inverse(coarse.T @ image, rigid.stiffness_scale)
@@ -53,7 +53,7 @@ class Krylov:
 
         def precondition(vector: Floats) -> Floats:
             corrections = self._precondition(held, vector)
-            return corrections - idle @ (idle.T @ corrections)
+            return corrections - free @ (free.T @ corrections)
 
         def project(vector: Floats) -> Floats:
             return vector - coarse @ (inverse @ (image.T @ vector))

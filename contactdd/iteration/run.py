@@ -172,13 +172,15 @@ class Run:
         reason = self._ranks.any_says("" if finite else self._strange(state))
         if reason:
             raise NotANumberError(reason)
+        if forces.size == 0.0 and size <= ROUNDING * self.ensemble.rigid.stiffness_scale * norm(state.unknowns):
+            size = 0.0  # nothing is at work, and a rigid motion's rounding is no force
         scale = self._scale(forces.size, size)
         return Measured(forces, scale, self._ranks.agree(size / scale if scale > 0.0 else 0.0))
 
     def _strange(self, state: State) -> str:
         """What is no finite number at an iterate: a layer's stress, or else the displacements or forces."""
         for interface, z in zip(self.ensemble.interfaces, state.gaps, strict=True):
-            stress = interface.contact.layer.contact_stress(z)
+            stress = interface.layer.contact_stress(z)
             wrong = np.isfinite(z) & ~np.isfinite(stress)
             if np.any(wrong):
                 at = int(np.argmax(wrong))
@@ -198,7 +200,7 @@ class Run:
         if self.anderson is None:
             step = length * correction
         else:
-            step, restart = self._accelerated(correction, forces, length)
+            step, restart = self._accelerated(self.anderson, correction, forces, length)
             note = ", ".join(filter(None, (note, restart)))
         step, state, found = self._next(self._ranks.agree(step), survive)
         record = Record(
@@ -246,7 +248,7 @@ class Run:
     def _strange_energy(self, state: State) -> str:
         """Whose energy is no finite number."""
         for interface, z in zip(self.ensemble.interfaces, state.gaps, strict=True):
-            density = interface.contact.layer.energy(z)
+            density = interface.layer.energy(z)
             if not np.all(np.isfinite(density)):
                 at = int(np.argmin(np.isfinite(density)))
                 return _no_number(interface, f"energy {density[at]:g} at the gap {z[at]:.6g}")
@@ -257,7 +259,7 @@ class Run:
         phi, state, reason = {}, self.state, ""
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
-            values = self.scheme.phi(interface.contact.layer, z, before, interface.x.T)
+            values = self.scheme.phi(interface.layer, z, before, interface.x.T)
             phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
             if not np.isfinite(phi[index].sum()):
                 at = int(np.argmin(np.isfinite(phi[index])))
@@ -301,16 +303,16 @@ class Run:
         soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
         return {index: np.maximum(values, np.minimum(soft, self._stiffest[index])) for index, values in phi.items()}
 
-    def _accelerated(self, correction: Floats, forces: Forces, gamma: float) -> tuple[Floats, str]:
+    def _accelerated(self, anderson: Anderson, correction: Floats, forces: Forces, gamma: float) -> tuple[Floats, str]:
         """Anderson's step, or the best plain one where that would raise the energy."""
         energy = self.history[-1].energy if len(self.history) else self._energy(self.state, forces)
-        step = self.anderson.step(self.state.unknowns, correction, gamma)
+        step = anderson.step(self.state.unknowns, correction, gamma)
         moved = self._moved(step)
         reached = self.ensemble.energy(moved)
         # Near the solution energies differ by less than their own rounding. At a law's pole energies may be finite.
         if reached <= energy + 1e-12 * abs(energy) and math.isfinite(float(self.ensemble.tractions(moved).sum())):
             return step, ""
-        self.anderson.restart()
+        anderson.restart()
         return self._search(correction, forces) * correction, "restarted: the energy would have risen"
 
     def _moved(self, step: Floats) -> State:
@@ -327,7 +329,7 @@ class Run:
         before, now = (float(np.abs(y).max(initial=0.0)) for y in (self.state.unknowns, unknowns))
         if before > 2.0 * now:
             return self.ensemble.gaps(unknowns)
-        moves = self.ensemble.by_interface(self.ensemble.closing @ step)
+        moves = self.ensemble.by_interface(self.ensemble.normal_approach @ step)
         return [z - move for z, move in zip(self.state.gaps, moves, strict=True)]
 
     def _scale(self, at_work: float, residual: float) -> float:
@@ -346,11 +348,11 @@ class Run:
         deformation = self.ensemble.deformation(correction)
         answer = self.ensemble.elastic_forces(correction, deformation)
         elastic = self.ensemble.elastic_work(correction, deformation, answer)
-        moves = self.ensemble.closing @ correction
+        moves = self.ensemble.normal_approach @ correction
         works = moves * forces.tractions
         work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
         parts = zip(self.ensemble.interfaces, self.state.gaps, self.ensemble.by_interface(moves), strict=True)
-        contacts = [(i.contact.layer, z, move, i.weights * move) for i, z, move in parts]
+        contacts = [(i.layer, z, move, i.weights * move) for i, z, move in parts]
 
         def growth(t: float) -> float:
             """How much more the layers resist the correction at t than at 0."""
@@ -408,4 +410,4 @@ class Run:
 
 def _no_number(interface: Interface, what: str) -> str:
     """Which contact's layer gives what is no finite number."""
-    return f"contact {interface.contact.name!r}: its {type(interface.contact.layer).__name__} gives the {what}"
+    return f"contact {interface.contact.name!r}: its {type(interface.layer).__name__} gives the {what}"

@@ -20,6 +20,11 @@ def power_series(coefficients: Sequence[float], s: Floats) -> Floats:
     return total
 
 
+def ratio(value: float | Floats, unit: float | Floats) -> Floats:
+    """value / unit; NumPy's hints forget what floats they are where one is a number of Python's."""
+    return np.asarray(value / unit)
+
+
 def log_of_rest(s: Floats, rest: Floats) -> Floats:
     """log(1 - s), from s where it is small and from rest = 1 - s, known without cancellation, where it isn't."""
     return np.where(s < 0.5, np.log1p(-np.minimum(s, 0.5)), np.log(np.minimum(rest, 1.0)))

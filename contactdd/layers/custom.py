@@ -18,29 +18,37 @@ Function = Callable[[Floats], ArrayLike]
 
 
 class CustomLayer(LimitedLayer):
-    """A layer whose law g the user gives as a function of arrays; it is evaluated at w ≤ 0 only.
+    """A layer with the user's own law g, a function of arrays, which is evaluated at w ≤ 0 only.
 
-    `derivative` and `energy` are functions of w ≤ 0 too, g'(w) and the integral of g from 0 to w;
-    `inverse` takes stress ≤ 0 to w. What isn't given is computed from g:
+    Functions that are not given are computed from g:
 
-    - derivative by eighth-order central differences (relative error 1e-11 for smooth g, 1e-2 at a kink);
-    - energy by tanh-sinh quadrature, which doesn't mind an infinite slope at w = 0 (1e-13 for smooth g);
-    - inverse by bisection, to rounding.
+    - the derivative by eighth-order central differences (relative error 1e-11 for smooth g, 1e-2 at a kink);
+    - the energy by tanh-sinh quadrature, which allows an infinite slope at w = 0 (1e-13 for smooth g);
+    - the inverse by bisection, to rounding.
 
-    With the derivative given and g smooth the divided difference is good to 1e-13. `compression_range`
-    (length) is the largest compression expected; g is sampled from there down ten decades. Further down it may have a
-    pole, where it becomes infinite or is no number any more: that is looked for, and just before it, where g is 1e10
-    times stiffer than at `compression_range`, the law goes on straight (`compression_limit`).
+    With the derivative given and g smooth the divided difference is good to 1e-13. Beyond `compression_range` the law
+    may have a pole, where it becomes infinite or is no number any more: just before it, where g is 1e10 times stiffer
+    than at `compression_range`, the law goes on straight (`compression_limit`).
 
-    Raises TypeError if an argument isn't callable, and ValueError if g isn't finite and strictly
-    increasing with g(0) = 0 at the samples, eq. (7), or if most of them contradict a given derivative,
-    energy, inverse.
+    Args:
+        g: The law, a function of compressions w ≤ 0 (length) to stresses g(w) ≤ 0 of the same shape.
+        derivative: g'(w) ≥ 0 (stress / length), a function of w ≤ 0.
+        energy: The integral of g from 0 to w (stress · length), a function of w ≤ 0.
+        inverse: The w ≤ 0 with g(w) = stress, a function of stress ≤ 0.
+        name: The name of the law in texts.
+        compression_range: The largest compression expected (length); g is checked from there down ten decades.
 
-    >>> layer = CustomLayer(lambda w: w + w**3, derivative=lambda w: 1 + 3 * w**2, name="cubic")
-    >>> layer
-    CustomLayer(name='cubic', compression_range=1.0)
-    >>> float(layer.contact_stress(-2.0))
-    -10.0
+    Raises:
+        TypeError: An argument is no function of arrays.
+        ValueError: At the samples g is not finite and strictly increasing with g(0) = 0, eq. (7), or most of them
+            contradict a given derivative, energy or inverse.
+
+    Example:
+        >>> layer = CustomLayer(lambda w: w + w**3, derivative=lambda w: 1 + 3 * w**2, name="cubic")
+        >>> layer
+        CustomLayer(name='cubic', compression_range=1.0)
+        >>> float(layer.contact_stress(-2.0))
+        -10.0
     """
 
     def __init__(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import finite, positive, positive_values
-from .calculus import TINY, power_series, relative_expm1, solve_increasing
+from .calculus import TINY, power_series, ratio, relative_expm1, solve_increasing
 from .limited import LimitedLayer
 
 #: Decay lengths after which an exponential that has no end is cut: e^-40 = 4e-18 of its pressure at no separation.
@@ -34,23 +34,24 @@ class ExponentialLayer(LimitedLayer):
 
     Beyond c = 300 w₀, where a double overflows soon, the law goes on straight.
 
+    Source: R. E. Goodman, Methods of Geological Engineering (1976), and the laws named by its constructors.
+
     Args:
-        p0: p₀ (stress).
-        w0: w₀, over which the pressure grows e-fold (length).
+        p0: p₀, the scale of the pressure (stress).
+        w0: w₀, the compression over which the stiffness grows e-fold (length).
         clearance: The distance of the surfaces at which the law begins (length, 0 by default); see `Layer`.
 
     Raises:
-        TypeError, ValueError: If p0 or w0 isn't a positive finite number, or clearance not a finite one.
+        TypeError, ValueError: `p0` or `w0` is no positive finite number, or `clearance` no finite one.
 
-    Source: R. E. Goodman, Methods of Geological Engineering (1976), and the laws named by its constructors.
-
-    >>> round(float(ExponentialLayer(p0=2.0, w0=1e-3).contact_stress(-1e-3)), 6)
-    -3.436564
+    Example:
+        >>> round(float(ExponentialLayer(p0=2.0, w0=1e-3).contact_stress(-1e-3)), 6)
+        -3.436564
     """
 
     p0: float
     w0: float
-    clearance: float = 0.0  # type: ignore[assignment, misc]
+    clearance: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "p0", positive_values("p0", self.p0))
@@ -64,18 +65,19 @@ class ExponentialLayer(LimitedLayer):
 
         It has no end; here it begins at u = 40 u₀, where 4e-18 p₀ is left, and that is its clearance.
 
+        Source: B. N. J. Persson, Relation between interfacial separation and load, Phys. Rev. Lett. 99 (2007), 125502.
+
         Args:
             p0: The pressure at u = 0 (stress).
             decay: u₀ (length): by the slope of a measured log p against u, or about 0.4 to 0.5 of the combined rms
                 height of the roughness (Persson), when p₀ = β E* with β about 0.4.
 
         Raises:
-            TypeError, ValueError: If an argument isn't a positive finite number.
+            TypeError, ValueError: An argument is no positive finite number.
 
-        Source: B. N. J. Persson, Relation between interfacial separation and load, Phys. Rev. Lett. 99 (2007), 125502.
-
-        >>> ExponentialLayer.of_separation(p0=5.0, decay=1e-3).clearance
-        0.04
+        Example:
+            >>> ExponentialLayer.of_separation(p0=5.0, decay=1e-3).clearance
+            0.04
         """
         p0, decay = positive("p0", p0), positive("decay", decay)
         return cls(p0 * math.exp(-ENDLESS), decay, ENDLESS * decay)
@@ -86,14 +88,14 @@ class ExponentialLayer(LimitedLayer):
 
         p = p₀ e^(β d) with the overclosure d and β = log(100)/c₀.
 
+        Source: CalculiX CrunchiX user's manual, *SURFACE BEHAVIOR.
+
         Args:
             p0: The pressure at no clearance (stress).
-            c0: The clearance at which a hundredth of it is left (length).
+            c0: The clearance at which a hundredth of that pressure is left (length).
 
         Raises:
-            TypeError, ValueError: If an argument isn't a positive finite number.
-
-        Source: CalculiX CrunchiX user's manual, *SURFACE BEHAVIOR.
+            TypeError, ValueError: An argument is no positive finite number.
         """
         return cls.of_separation(positive("p0", p0), positive("c0", c0) / math.log(100.0))
 
@@ -103,17 +105,17 @@ class ExponentialLayer(LimitedLayer):
 
         p = √π η E* R^(1/2) σ^(3/2) e^(-u/σ), u the separation from the summits' mean plane.
 
-        Args:
-            modulus: E*, 1/E* = (1 - ν₁²)/E₁ + (1 - ν₂²)/E₂ (stress).
-            density: η, summits per area (1/length²).
-            radius: R, the summits' (length).
-            deviation: σ, the decay of their heights' distribution (length).
-
-        Raises:
-            TypeError, ValueError: If an argument isn't a positive finite number.
-
         Source: J. A. Greenwood, J. B. P. Williamson, Contact of nominally flat surfaces, Proc. R. Soc. A 295 (1966),
         300-319, section 3.
+
+        Args:
+            modulus: E*, 1/E* = (1 - ν₁²)/E₁ + (1 - ν₂²)/E₂ (stress).
+            density: η, the number of summits per area (1/length²).
+            radius: R, the radius of the summits (length).
+            deviation: σ, the decay length of the distribution of their heights (length).
+
+        Raises:
+            TypeError, ValueError: An argument is no positive finite number.
         """
         modulus, density = positive("modulus", modulus), positive("density", density)
         radius, deviation = positive("radius", radius), positive("deviation", deviation)
@@ -130,10 +132,10 @@ class ExponentialLayer(LimitedLayer):
         return self.p0 / self.w0 * np.exp(c / self.w0)
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
-        return self._known_slope(shallow) * relative_expm1((deep - shallow) / self.w0)
+        return self._known_slope(shallow) * relative_expm1(ratio(deep - shallow, self.w0))
 
     def _known_energy(self, c: Floats) -> Floats:
-        s = c / self.w0
+        s = ratio(c, self.w0)
         small = s**2 * power_series(_EXCESS, np.minimum(s, 0.1))
         return self.p0 * self.w0 * np.where(s < 0.1, small, np.expm1(s) - s)
 
@@ -148,18 +150,19 @@ class OverclosureLayer(LimitedLayer):
     d is the overclosure: the pressure begins at the clearance c₀, and is p₀ where the surfaces touch. Its compression
     counts from there, s = c/c₀. Beyond s = 300 it goes on straight.
 
-    Args:
-        p0: The pressure where the surfaces touch (stress).
-        c0: The clearance at which it begins (length); `Contact` takes it off the gap.
-
-    Raises:
-        TypeError, ValueError: If an argument isn't a positive finite number.
-
     Source: Abaqus Theory Guide, small-sliding interaction, "softened" contact.
 
-    >>> layer = OverclosureLayer(p0=5.0, c0=1e-3)
-    >>> layer.clearance, layer.contact_stress([-1e-3, -2e-3]).round(4)
-    (0.001, array([ -5.    , -37.1828]))
+    Args:
+        p0: The pressure where the surfaces touch (stress).
+        c0: The clearance at which the pressure begins (length); `Contact` subtracts it from the gap.
+
+    Raises:
+        TypeError, ValueError: An argument is no positive finite number.
+
+    Example:
+        >>> layer = OverclosureLayer(p0=5.0, c0=1e-3)
+        >>> layer.clearance, layer.contact_stress([-1e-3, -2e-3]).round(4)
+        (0.001, array([ -5.    , -37.1828]))
     """
 
     p0: float
@@ -182,21 +185,21 @@ class OverclosureLayer(LimitedLayer):
         return self.p0 / math.expm1(1.0)
 
     def _known_pressure(self, c: Floats) -> Floats:
-        s = c / self.c0
+        s = ratio(c, self.c0)
         return self._factor * s * np.expm1(s)
 
     def _known_slope(self, c: Floats) -> Floats:
-        s = c / self.c0
+        s = ratio(c, self.c0)
         return self._factor / self.c0 * (np.expm1(s) + s * np.exp(s))
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
         # The product rule for divided differences: of s (e^s - 1), all terms are positive.
-        s, t = deep / self.c0, shallow / self.c0
-        growth = np.exp(t) * relative_expm1((deep - shallow) / self.c0)
+        s, t = ratio(deep, self.c0), ratio(shallow, self.c0)
+        growth = np.exp(t) * relative_expm1(ratio(deep - shallow, self.c0))
         return self._factor / self.c0 * (np.expm1(s) + t * growth)
 
     def _known_energy(self, c: Floats) -> Floats:
-        s = c / self.c0
+        s = ratio(c, self.c0)
         small = s**3 * power_series(_OVERCLOSURE_ENERGY, np.minimum(s, 0.5))
         return self._factor * self.c0 * np.where(s < 0.5, small, (s - 1) * np.exp(s) + 1 - s**2 / 2)
 

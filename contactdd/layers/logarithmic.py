@@ -8,7 +8,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import positive_values
-from .calculus import log_of_rest, power_series, relative_log1p
+from .calculus import log_of_rest, power_series, ratio, relative_log1p
 from .limited import STEEP, LimitedLayer
 
 #: [(1 - s) log(1 - s) + s] / s² = Σ s^k / ((k + 1)(k + 2)), enough of it for s < 0.05.
@@ -22,18 +22,19 @@ class LogarithmicLayer(LimitedLayer):
     M/h is its stiffness at rest; at c = h it is pressed through, and the pressure is infinite. Closer to that than
     1e-10 h, at 23 M, the law goes on straight.
 
+    Source: Hencky's law for a sheet under uniaxial strain; for small c/h it is the elastic foundation, K. L. Johnson,
+    Contact Mechanics (1985), section 5.8.
+
     Args:
         modulus: M, the stress over the strain of a sheet that can't bulge sideways (stress).
         thickness: h (length).
 
     Raises:
-        TypeError, ValueError: If an argument isn't a positive finite number.
+        TypeError, ValueError: An argument is no positive finite number.
 
-    Source: Hencky's law for a sheet under uniaxial strain; for small c/h it is the elastic foundation, K. L. Johnson,
-    Contact Mechanics (1985), section 5.8.
-
-    >>> round(float(LogarithmicLayer(modulus=1e3, thickness=1e-3).contact_stress(-5e-4)), 3)
-    -693.147
+    Example:
+        >>> round(float(LogarithmicLayer(modulus=1e3, thickness=1e-3).contact_stress(-5e-4)), 3)
+        -693.147
     """
 
     modulus: float
@@ -49,20 +50,20 @@ class LogarithmicLayer(LimitedLayer):
 
     def _rest(self, c: Floats) -> Floats:
         """1 - c/h, which h - c gives without cancellation."""
-        return (self.thickness - c) / self.thickness
+        return ratio(self.thickness - c, self.thickness)
 
     def _known_pressure(self, c: Floats) -> Floats:
-        return -self.modulus * log_of_rest(c / self.thickness, self._rest(c))
+        return -self.modulus * log_of_rest(ratio(c, self.thickness), self._rest(c))
 
     def _known_slope(self, c: Floats) -> Floats:
-        return self.modulus / (self.thickness - c)
+        return ratio(self.modulus, self.thickness - c)
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
         left = self.thickness - deep
         return self.modulus / left * relative_log1p((deep - shallow) / left)
 
     def _known_energy(self, c: Floats) -> Floats:
-        s, rest = c / self.thickness, self._rest(c)
+        s, rest = ratio(c, self.thickness), self._rest(c)
         small = s**2 * power_series(_EXCESS, np.minimum(s, 0.05))
         return self.modulus * self.thickness * np.where(s < 0.05, small, rest * log_of_rest(s, rest) + s)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import positive_values
-from .calculus import TINY, mean_slope, solve_increasing
+from .calculus import TINY, mean_slope, ratio, solve_increasing
 from .limited import LimitedLayer
 
 #: The separation at which the law begins, in σ: the highest summit of 1e15. Less of the force than rounding is above.
@@ -34,21 +34,22 @@ class GreenwoodWilliamsonLayer(LimitedLayer):
     φ is Gauss' distribution, u the separation from the summits' mean plane. The law begins at u = 8σ, which is its
     clearance, with what is left there, 4e-17 in F, taken off; beyond u = -4σ it goes on straight.
 
-    Args:
-        modulus: E*, 1/E* = (1 - ν₁²)/E₁ + (1 - ν₂²)/E₂ (stress).
-        density: η, summits per area (1/length²).
-        radius: R, the summits' (length).
-        deviation: σ, the standard deviation of the summits' heights (length).
-
-    Raises:
-        TypeError, ValueError: If an argument isn't a positive finite number.
-
     Source: J. A. Greenwood, J. B. P. Williamson, Contact of nominally flat surfaces, Proc. R. Soc. A 295 (1966),
     300-319, eq. (8). For exponential heights see `ExponentialLayer.greenwood_williamson`.
 
-    >>> layer = GreenwoodWilliamsonLayer(modulus=1e5, density=300.0, radius=0.05, deviation=1e-3)
-    >>> round(float(layer.contact_stress(1e-3 - layer.clearance)), 4)  # at u = σ
-    -21.4022
+    Args:
+        modulus: E*, 1/E* = (1 - ν₁²)/E₁ + (1 - ν₂²)/E₂ (stress).
+        density: η, the number of summits per area (1/length²).
+        radius: R, the radius of the summits (length).
+        deviation: σ, the standard deviation of the summits' heights (length).
+
+    Raises:
+        TypeError, ValueError: An argument is no positive finite number.
+
+    Example:
+        >>> layer = GreenwoodWilliamsonLayer(modulus=1e5, density=300.0, radius=0.05, deviation=1e-3)
+        >>> round(float(layer.contact_stress(1e-3 - layer.clearance)), 4)  # at u = σ
+        -21.4022
     """
 
     modulus: float
@@ -74,19 +75,19 @@ class GreenwoodWilliamsonLayer(LimitedLayer):
         return 4 / 3 * self.modulus * self.density * np.sqrt(self.radius * self.deviation) * self.deviation
 
     def _known_pressure(self, c: Floats) -> Floats:
-        return self._scale * _force(np.asarray(c / self.deviation))
+        return self._scale * _force(ratio(c, self.deviation))
 
     def _known_slope(self, c: Floats) -> Floats:
-        return self._scale / self.deviation * _stiffness(np.asarray(c / self.deviation))
+        return self._scale / self.deviation * _stiffness(ratio(c, self.deviation))
 
     def _known_secant(self, deep: Floats, shallow: Floats) -> Floats:
-        s, t = deep / self.deviation, shallow / self.deviation
+        s, t = ratio(deep, self.deviation), ratio(shallow, self.deviation)
         far = s - t > _SPAN
         rise = np.divide(_force(s) - _force(t), s - t, out=np.zeros_like(s), where=far)
         return self._scale / self.deviation * np.where(far, rise, mean_slope(_stiffness, t, np.minimum(s - t, _SPAN)))
 
     def _known_energy(self, c: Floats) -> Floats:
-        return self._scale * self.deviation * _work(np.asarray(c / self.deviation))
+        return self._scale * self.deviation * _work(ratio(c, self.deviation))
 
     def _known_depth(self, p: Floats) -> Floats:
         upper = np.broadcast_to(self.compression_limit, p.shape)
@@ -97,7 +98,7 @@ class GreenwoodWilliamsonLayer(LimitedLayer):
 _SPAN = 0.25
 
 
-def _moment(power: int, t: Floats) -> Floats:
+def _moment(power: int, t: float | Floats) -> Floats:
     """∫_t^∞ (s - t)^(power/2) φ(s) ds for odd powers.
 
     With s = t + y² the integrand is even and entire in y: the trapezoidal rule on the whole line is exact to rounding.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,11 +23,12 @@ class SeriesLayer(Layer):
         layers: The layers, two or more.
 
     Raises:
-        TypeError: If one of them isn't a layer, or there are fewer than two.
+        TypeError: One of them is no layer, or there are fewer than two.
 
-    >>> from contactdd.layer import LinearLayer
-    >>> round(float(SeriesLayer(LinearLayer(2.0), LinearLayer(3.0)).contact_stress(-5.0)), 12)
-    -6.0
+    Example:
+        >>> from contactdd.layer import LinearLayer
+        >>> round(float(SeriesLayer(LinearLayer(2.0), LinearLayer(3.0)).contact_stress(-5.0)), 12)
+        -6.0
     """
 
     def __init__(self, *layers: Layer) -> None:
@@ -82,10 +84,10 @@ class SeriesLayer(Layer):
         return _in_series(secants)
 
     def _energy(self, c: Floats) -> Floats:
-        return sum(layer._energy(part) for layer, part in self._parts(c))
+        return _total(layer._energy(part) for layer, part in self._parts(c))
 
     def _depth(self, p: Floats) -> Floats:
-        return sum(layer._depth(p) for layer in self.layers)
+        return _total(layer._depth(p) for layer in self.layers)
 
     def _parts(self, c: Floats) -> list[tuple[Layer, Floats]]:
         """Each layer with its part of the compressions."""
@@ -103,8 +105,8 @@ class SeriesLayer(Layer):
         p = np.sqrt(lower) * np.sqrt(upper)
         for _ in range(NEWTON_STEPS):
             parts = [layer._depth(p) for layer in self.layers]
-            total = functools.reduce(np.add, parts)
-            soft = sum(1 / layer._slope(part) for layer, part in zip(self.layers, parts, strict=True))
+            total = _total(parts)
+            soft = _total(1 / layer._slope(part) for layer, part in zip(self.layers, parts, strict=True))
             above = total >= pressed
             lower, upper = np.where(above, lower, p), np.where(above, p, upper)
             better = p * np.exp(np.log(pressed / total) * total / (soft * p))
@@ -125,4 +127,8 @@ NEWTON_STEPS = 60
 def _in_series(stiffnesses: list[Floats]) -> Floats:
     """1 / Σ 1/k."""
     with np.errstate(divide="ignore"):
-        return 1 / sum(1 / stiffness for stiffness in stiffnesses)
+        return 1 / _total(1 / stiffness for stiffness in stiffnesses)
+
+
+def _total(parts: Iterable[Floats]) -> Floats:
+    return functools.reduce(np.add, parts)

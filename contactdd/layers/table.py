@@ -28,29 +28,30 @@ class TableLayer(LimitedLayer):
     passed the point says so. The cubic is continuously differentiable; where it would end with slope 0, half the slope
     of the end chord replaces it, because g has to increase, eq. (7).
 
+    Source: F. N. Fritsch, J. Butland, A method for constructing local monotone piecewise cubic interpolants, SIAM J.
+    Sci. Stat. Comput. 5 (1984), 300-304.
+
     Args:
         compressions: The points' compressions (length), strictly increasing and >= 0; (0, 0) is added if missing.
-        pressures: The points' pressures (stress), likewise.
+        pressures: The points' pressures (stress), strictly increasing and >= 0.
         smooth: Whether the law is the monotone cubic, or straight from point to point.
         clearance: The distance of the surfaces at which the law begins (length, 0 by default); see `Layer`.
 
     Raises:
-        TypeError: If smooth isn't True or False, or clearance isn't a number.
-        ValueError: If the points aren't finite, of equal number, strictly increasing and >= 0; the row is named. For
+        TypeError: `smooth` is not True or False, or `clearance` is no number.
+        ValueError: The points are not finite, of equal number, strictly increasing and >= 0; the row is named. For
             data with plateaus and noise see `from_measurement` and `from_csv`.
 
-    Source: F. N. Fritsch, J. Butland, A method for constructing local monotone piecewise cubic interpolants, SIAM J.
-    Sci. Stat. Comput. 5 (1984), 300-304.
-
-    >>> layer = TableLayer(compressions=[1.0, 2.0, 3.0], pressures=[1.0, 4.0, 9.0])
-    >>> layer.compression([0.0, -4.0, -9.0])
-    array([-0., -2., -3.])
+    Example:
+        >>> layer = TableLayer(compressions=[1.0, 2.0, 3.0], pressures=[1.0, 4.0, 9.0])
+        >>> layer.compression([0.0, -4.0, -9.0])
+        array([-0., -2., -3.])
     """
 
     compressions: Sequence[float]
     pressures: Sequence[float]
     smooth: bool = True
-    clearance: float = 0.0  # type: ignore[assignment, misc]
+    clearance: float = 0.0
     _knots: Floats = field(init=False, repr=False, compare=False)
     _table: Floats = field(init=False, repr=False, compare=False)
     _pieces: Floats = field(init=False, repr=False, compare=False)
@@ -67,8 +68,8 @@ class TableLayer(LimitedLayer):
                     f"{name} = {values.tolist()}: expected strictly increasing values >= 0; {values[row]:g} comes "
                     f"after {values[row - 1]:g}; cd.TableLayer.from_measurement takes data with plateaus and noise"
                 )
-        object.__setattr__(self, "compressions", tuple(c.tolist()))
-        object.__setattr__(self, "pressures", tuple(p.tolist()))
+        object.__setattr__(self, "compressions", _plain(c))
+        object.__setattr__(self, "pressures", _plain(p))
         object.__setattr__(self, "_knots", c)
         object.__setattr__(self, "_table", p)
         object.__setattr__(self, "_pieces", _cubics(c, p) if self.smooth else _lines(c, p))
@@ -85,22 +86,23 @@ class TableLayer(LimitedLayer):
         by more than `noise`; equal compressions are averaged likewise.
 
         Args:
-            compressions: (n,) (length), of any sign.
-            pressures: (n,) (stress).
-            noise: By how much a pressure may be wrong (stress), 0 by default: then only rows of equal pressure are
-                put together.
-            smooth: As for the class.
+            compressions: (n,) The measured compressions (length), from any origin.
+            pressures: (n,) The measured pressures (stress).
+            noise: The largest error of a pressure (stress), 0 by default: then only rows of equal pressure are put
+                together.
+            smooth: As of the class.
 
         Returns:
             A table whose `clearance` is where the curve begins.
 
         Raises:
-            ValueError: If values aren't finite or of equal number, if a pressure falls by more than the noise accounts
-                for (the row is named, counted from 1), or if nothing is left.
+            ValueError: Values are not finite or of equal number; a pressure falls by more than the noise accounts
+                for (the row is named, counted from 1); nothing is left.
 
-        >>> layer = TableLayer.from_measurement([0, 0.05, 0.1, 0.2, 0.3], [0, 0, 1.2, 5.0, 5.0])
-        >>> layer.clearance, layer.compressions, layer.pressures
-        (-0.05, (0.0, 0.05, 0.2), (0.0, 1.2, 5.0))
+        Example:
+            >>> layer = TableLayer.from_measurement([0, 0.05, 0.1, 0.2, 0.3], [0, 0, 1.2, 5.0, 5.0])
+            >>> layer.clearance, layer.compressions, layer.pressures
+            (-0.05, (0.0, 0.05, 0.2), (0.0, 1.2, 5.0))
         """
         c, p = _column("compressions", compressions), _column("pressures", pressures)
         if c.size != p.size:
@@ -119,7 +121,7 @@ class TableLayer(LimitedLayer):
             )
         origin, after = c[first], slice(first + 1, None)
         c, p = _increasing(c[after] - origin, p[after], rows[after] + 1, allowed)
-        return cls(c.tolist(), p.tolist(), smooth, -float(origin) + 0.0)
+        return cls(_plain(c), _plain(p), smooth, -float(origin) + 0.0)
 
     @classmethod
     def from_csv(
@@ -140,16 +142,16 @@ class TableLayer(LimitedLayer):
             path: The file; lines that are empty or begin with # are skipped.
             compression: The name of its column of compressions.
             pressure: The name of its column of pressures.
-            length_unit: What the file's unit of length is in yours, such as 1e-3 for µm where you use mm.
-            stress_unit: What its unit of stress is in yours.
-            noise: As for `from_measurement`, in your unit of stress.
-            smooth: As for the class.
-            delimiter: What is between the columns; ";" also reads decimal commas.
+            length_unit: The file's unit of length in yours, such as 1e-3 for µm where you use mm.
+            stress_unit: The file's unit of stress in yours.
+            noise: As of `from_measurement`, in your unit of stress.
+            smooth: As of the class.
+            delimiter: The text between columns; ";" also reads decimal commas.
 
         Raises:
-            ValueError: If a column is missing (those there are named), a row has no number in it (its line is named),
+            ValueError: A column is missing (those there are named), a row has no number in it (its line is named),
                 or as `from_measurement` does.
-            OSError: If the file can't be read.
+            OSError: The file can't be read.
         """
         columns = _read_columns(Path(path), (compression, pressure), delimiter)
         c, p = columns[0] * positive("length_unit", length_unit), columns[1] * positive("stress_unit", stress_unit)
@@ -237,6 +239,11 @@ def _column(name: str, values: ArrayLike) -> Floats:
     if column.ndim != 1 or column.size == 0 or not np.all(np.isfinite(column)):
         raise ValueError(f"{name} = {values!r}: expected a non-empty sequence of finite numbers")
     return column
+
+
+def _plain(column: Floats) -> tuple[float, ...]:
+    """A column as numbers of Python's own."""
+    return tuple(map(float, column))
 
 
 def _with_origin(c: Floats, p: Floats) -> tuple[Floats, Floats]:

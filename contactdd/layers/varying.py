@@ -25,12 +25,13 @@ class VaryingLayer(Layer):
         parameters: By name, each a number or a function of the coordinates x (dim, n) that gives (n,).
 
     Raises:
-        TypeError: If law isn't callable. `at` raises ValueError where a parameter isn't n numbers that the law accepts.
+        TypeError: `law` is no function. `at` raises ValueError where a parameter is not n numbers that the law accepts.
 
-    >>> from contactdd.layers.logarithmic import LogarithmicLayer
-    >>> layer = VaryingLayer(LogarithmicLayer, modulus=1e3, thickness=lambda x: 1e-3 * (1 + x[0]))
-    >>> layer.at(np.array([[0.0, 1.0], [0.0, 0.0]])).contact_stress([-5e-4, -1e-3]).round(3)
-    array([-693.147, -693.147])
+    Example:
+        >>> from contactdd.layers.logarithmic import LogarithmicLayer
+        >>> layer = VaryingLayer(LogarithmicLayer, modulus=1e3, thickness=lambda x: 1e-3 * (1 + x[0]))
+        >>> layer.at(np.array([[0.0, 1.0], [0.0, 0.0]])).contact_stress([-5e-4, -1e-3]).round(3)
+        array([-693.147, -693.147])
     """
 
     def __init__(self, law: Callable[..., Layer], **parameters: float | Callable[[Floats], Floats]) -> None:
@@ -50,18 +51,31 @@ class VaryingLayer(Layer):
         bound.check(x)
         return bound
 
-    def _nowhere(self, *arguments: Any) -> NoReturn:
+    def _nowhere(self) -> NoReturn:
         raise TypeError(f"{self!r} varies from place to place: expected layer.at(x), the law at points x (dim, n)")
 
-    _pressure = _slope = _secant = _energy = _depth = _nowhere
+    def _pressure(self, c: Floats) -> Floats:
+        self._nowhere()
+
+    def _slope(self, c: Floats) -> Floats:
+        self._nowhere()
+
+    def _secant(self, deep: Floats, shallow: Floats) -> Floats:
+        self._nowhere()
+
+    def _energy(self, c: Floats) -> Floats:
+        self._nowhere()
+
+    def _depth(self, p: Floats) -> Floats:
+        self._nowhere()
 
     @property
     def clearance(self) -> float | Floats:
-        return self._nowhere()
+        self._nowhere()
 
     @property
     def compression_limit(self) -> float | Floats:
-        return self._nowhere()
+        self._nowhere()
 
 
 class LayerAtPoints(Layer):

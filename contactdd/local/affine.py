@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..base import compat
 from ..base.arrays import Floats, Indices
+from ..base.basis import quadrature_rule
 
 if TYPE_CHECKING:
     from ..body import Body
@@ -106,7 +107,7 @@ class AffineCells:
 def affine_cells(body: Body) -> AffineCells | None:
     """The cells of a body where that pays: they are affine, of one material, and have much inside of themselves."""
     inner, outer = _inner_and_outer(body.space.ufl_element())
-    if len(inner) < WORTHWHILE * (len(inner) + len(outer)) or body.material.varies or body.kinematics.ring:
+    if len(inner) < WORTHWHILE * (len(inner) + len(outer)) or body.material.varies or body.kinematics.axisymmetric:
         return None
     return AffineCells(body) if are_affine(body.mesh) else None
 
@@ -148,7 +149,7 @@ def _vertices(cell: basix.CellType) -> tuple[Floats, Indices]:
 @cache
 def _reference_integrals(element: Any) -> ReferenceIntegrals:
     scalar, (inner, outer) = element.basix_element, _inner_and_outer(element)
-    points, weights = map(np.asarray, basix.make_quadrature(scalar.cell_type, 2 * scalar.degree))
+    points, weights = quadrature_rule(scalar.cell_type, 2 * scalar.degree)
     table = scalar.tabulate(1, points)[1:, :, :, 0]
     full = np.einsum("q,kqi,lqj->klij", weights, table, table, optimize=True)
     rows = full[:, :, inner]

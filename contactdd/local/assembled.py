@@ -132,7 +132,7 @@ class _RobinSystem:
     @cached_property
     def _robin_terms(self) -> list[RobinTerm]:
         """The Robin terms in UFL."""
-        return [RobinTerm(trace.side.surface) for trace in self.traces]
+        return [RobinTerm(trace.side.meshed) for trace in self.traces]
 
     @cached_property
     def _diagonal(self) -> Indices:

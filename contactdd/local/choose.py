@@ -1,4 +1,4 @@
-"""Which local solver a body gets, and the local problems of a scene: made when first asked for, kept, refreshed.
+"""The choice of a local solver for each body, and the local problems of a scene: made once, kept, refreshed.
 
 A local solver is a function of a `LocalTask` that makes a `LocalProblem`. The registry is open: `register_local_solver`
 adds one by name, and a body may bring its own, `Body(..., local_solver=make)`.
@@ -52,7 +52,7 @@ def register_local_solver(name: str, make: LocalSolver) -> None:
 
     Args:
         name: A new name.
-        make: From a `LocalTask` (a body, its sides of the contacts, its finite elements) to a `LocalProblem`.
+        make: A function of a `LocalTask` (a body, its sides of the contacts, its finite elements) to a `LocalProblem`.
 
     Raises:
         ValueError: The name is taken.

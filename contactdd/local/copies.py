@@ -48,7 +48,7 @@ def signs_between(original: Body, body: Body) -> Floats | None:
     Loads may differ. −1 stands where the body is mirrored.
     """
     same = (original.material, original.kinematics) == (body.material, body.kinematics)
-    if not same or body.kinematics.ring or body.material.varies or not _held_alike(original, body):
+    if not same or body.kinematics.axisymmetric or body.material.varies or not _held_alike(original, body):
         return None
     isometry = body.elements.isometry_from(original.elements)
     if isometry is None:

@@ -1,4 +1,4 @@
-"""A body seen as a small dense matrix: its Robin problem by LAPACK, its low modes, its start from contact surfaces."""
+"""A body as a small dense matrix: its Robin problem by LAPACK, its low modes, its start from contact surfaces."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .rigid import RigidMotions
 
 @dataclass(frozen=True)
 class DenseSystem:
-    """S + Φ of one body.
+    """The dense stiffness S + Φ of one body with its Robin terms.
 
     Attributes:
         name: The body's name.
-        stiffness: (unknowns, unknowns) S.
-        traces: How the contacts act on the unknowns.
+        stiffness: (unknowns, unknowns) The stiffness S without contacts.
+        traces: The actions of the contacts on the unknowns.
         rigid: The free rigid motions.
     """
 

@@ -1,4 +1,4 @@
-"""What a local problem is: how one body is solved, seen from its contacts, independently of all others.
+"""The contract of a local problem: the problem of one body, seen from its contacts, independent of all others.
 
     a(ũ, v) + ∫ φ ũ_n v_n = l(v) + ∫ φ u_n v_n + ∫ g⁻ v_n    (22), (32), (36)
 
@@ -29,14 +29,14 @@ Solver = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class ContactTrace:
-    """How one interface acts on the unknowns of a body: u_n at its points is trace @ y + offset.
+    """The action of one interface on the unknowns of a body: u_n at its points is trace @ y + offset.
 
     Attributes:
         interface: The interface's index in the scene.
         side: The body's side of it.
-        trace: (points, unknowns).
-        offset: (points,) u_n of the prescribed displacements (length).
-        robin_trace: (own points, unknowns) u_n at the integration points of the body's own surface.
+        trace: (points, unknowns) The operator from unknowns to u_n, without prescribed displacements.
+        offset: (points,) The u_n of the prescribed displacements (length).
+        robin_trace: (own points, unknowns) The same operator at the integration points of the body's own surface.
     """
 
     interface: int
@@ -59,10 +59,10 @@ class Fields:
     """A body's solution in all degrees of freedom.
 
     Attributes:
-        displacement: (dofs,) u (length).
-        elastic_forces: (dofs,) a(u, ·), of the deformation only, see `system.state.State`.
-        spring_forces: (dofs,) those of elastic foundations.
-        elastic_energy: ½ a(u, u).
+        displacement: (dofs,) The displacement u (length).
+        elastic_forces: (dofs,) The forces a(u, ·), of the deformation only, see `system.state.State`.
+        spring_forces: (dofs,) The forces of elastic foundations.
+        elastic_energy: The energy ½ a(u, u) (force · length).
     """
 
     displacement: Floats
@@ -107,7 +107,7 @@ class BodyDofs(Protocol):
 
 
 class LocalProblem(Protocol):
-    """How one body is solved: what every local solver makes, and all that the rest of the package knows of a body."""
+    """The problem of one body: made by a local solver, and all that the rest of the package knows of the body."""
 
     @property
     def name(self) -> str:
@@ -126,7 +126,7 @@ class LocalProblem(Protocol):
 
     @property
     def traces(self) -> Sequence[ContactTrace]:
-        """How the contacts act on the unknowns."""
+        """The actions of the contacts on the unknowns, one for each side of an interface."""
         ...
 
     @property
@@ -221,15 +221,15 @@ class LocalProblem(Protocol):
         """The displacement (dofs,) of unknowns.
 
         Args:
-            y: (unknowns,).
+            y: (unknowns,) The unknowns.
         """
         ...
 
     def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
-        """What an operator makes of the displacement where the unknowns alone tell it, else None.
+        """The product of an operator with the displacement where the unknowns alone suffice for it, else None.
 
         Args:
-            y: (unknowns,).
+            y: (unknowns,) The unknowns.
             operator: On all degrees of freedom.
         """
         ...
@@ -238,7 +238,7 @@ class LocalProblem(Protocol):
         """The body's solution in all degrees of freedom.
 
         Args:
-            y: (unknowns,).
+            y: (unknowns,) The unknowns.
             deformation: (unknowns,) the same without rigid motions.
         """
         ...

@@ -29,11 +29,18 @@ class ReducedProblem:
     A rigid body is `ReducedProblem(task, task.body.rigid_modes())`.
 
     Args:
-        task: What a local solver is given.
-        basis: (dofs, n) displacements in all degrees of freedom of the body (length, in any scale).
+        task: The body with its contacts, as a local solver is given them.
+        basis: (dofs, n) Displacements in all degrees of freedom of the body (length, in any scale).
 
     Raises:
         TypeError, ValueError: The basis is no array of finite numbers with a row for each degree of freedom.
+
+    Example:
+        >>> import contactdd as cd
+        >>> def rigid(task: cd.LocalTask) -> cd.LocalProblem:
+        ...     return cd.ReducedProblem(task, task.body.rigid_modes())
+        >>> mesh = cd.rectangle((0, 0), (2, 1), (2, 1))
+        >>> body = cd.Body("punch", mesh, cd.Isotropic(E=2e5, nu=0.3), local_solver=rigid)
     """
 
     factor_free = False

@@ -1,7 +1,15 @@
-"""Rigid motions: which of them the supports leave free, whether the contact resists them, and what follows.
+"""Rigid motions that the supports allow, and the resistance of springs and contacts to them.
 
-A motion that nothing resists is harmless where the forces do no work on it (a block may slide without friction on
-another): the linear problem is then solved with that motion held. Where they do work, nothing holds the body.
+allowed     not prevented by a support of the body: the columns of `RigidMotions.modes`;
+floating    bodies with allowed motions of which no spring resists any (whatever the contacts do);
+kernel      allowed motions that change no gap and meet no spring, whatever φ is: no result depends on them;
+unresisted  the kernel motions without those that springs resist after all, within rounding;
+free(φ)     allowed motions that neither springs nor contacts with the Robin coefficient φ resist: the unresisted ones,
+            and those of bodies whose contacts are open;
+loose       a body with a free motion on which forces do work: nothing holds it, which is a `LooseBodyError`.
+
+A free motion on which the forces do no work is harmless (a block may slide without friction on another): the linear
+problem is then solved with as many unknowns fixed as there are free motions (`fixing_dofs`).
 """
 
 from __future__ import annotations
@@ -27,10 +35,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Resistance:
-    """What an interface adds to the stiffness of the rigid motions: Σ_p φ_p m_p m_pᵀ.
+    """The resistance of one interface to the rigid motions: the stiffness Σ_p φ_p m_p m_pᵀ.
 
     rows: (points, motions) √weight u_n of each motion; transfer: from φ at the interface to these points, None where
-    they are its own.
+    they are the interface's own.
     """
 
     interface: int
@@ -45,7 +53,7 @@ class Resistance:
 
 @dataclass(frozen=True)
 class Owner:
-    """Whose motions a group of columns are: the body's name, its kinematics and the motions' coefficients."""
+    """The body that a group of columns belongs to: its name, its kinematics and the motions' coefficients."""
 
     body: str
     kinematics: Kinematics
@@ -54,11 +62,11 @@ class Owner:
 
 @dataclass(frozen=True)
 class RigidMotions:
-    """The rigid motions that the supports of one body, or of several together, leave free.
+    """The rigid motions that the supports of one body, or of several together, allow.
 
-    modes: (unknowns, motions), orthonormal within each body; springs: (unknowns, motions) the forces with which springs
-    answer them (a rigid motion meets no other elastic force); contacts: what the interfaces add; owners: whose motions
-    they are; stiffness_scale: the largest stiffness of the unknowns.
+    modes: (unknowns, motions), orthonormal within each body; springs: (unknowns, motions) the forces of springs under
+    each motion (a rigid motion causes no other elastic force); contacts: the resistances of the interfaces; owners: the
+    bodies of the motions; stiffness_scale: the largest stiffness of the unknowns.
     """
 
     modes: Floats
@@ -69,55 +77,55 @@ class RigidMotions:
 
     @cached_property
     def elastic(self) -> Floats:
-        """The stiffness that springs give the motions, (motions, motions)."""
+        """The stiffness of springs against the motions, (motions, motions)."""
         elastic = self.modes.T @ self.springs
         return 0.5 * (elastic + elastic.T)
 
     @cached_property
     def floating(self) -> bool:
-        """Whether there are free motions and no spring resists any of them."""
+        """Whether there are allowed motions and no spring resists any of them."""
         return self.modes.shape[1] > 0 and not np.any(self.springs)
 
     def free(self, phi: Mapping[int, Floats]) -> Floats:
-        """The motions that neither springs nor the coefficient φ resist, as columns of coefficients (motions, free)."""
+        """The motions free under φ, as columns of coefficients (motions, free)."""
         count = self.modes.shape[1]
         if count == 0:
             return np.zeros((0, 0))
         roots = [contact.root(phi) for contact in self.contacts]
-        held = sum((root.T @ root for root in roots), self._steadied)
+        resistance = sum((root.T @ root for root in roots), self._elastic_with_kernel_fixed)
         # Below this a motion's resistance is lost in the rounding of the stiffness, or of a layer stiffer than that.
-        limit = 1e-14 * max(self.stiffness_scale, float(np.abs(held).max()))
-        # Mostly the contacts hold all that they ever could.
-        if _smallest(held) > limit:
-            return self._idle
-        # The roots give the free motions; their squares would mix in held ones by the rounding of the stiffest layer.
+        limit = 1e-14 * max(self.stiffness_scale, float(np.abs(resistance).max()))
+        # Mostly the contacts resist all that they ever could.
+        if _smallest(resistance) > limit:
+            return self._unresisted
+        # Use the square roots: forming RᵀR would mix resisted motions into the free ones at the rounding of the
+        # stiffest layer.
         springs, directions = np.linalg.eigh(self.elastic)
         roots.append(np.sqrt(np.maximum(springs, 0.0))[:, None] * directions.T)
         _, singular, motions = np.linalg.svd(np.linalg.qr(np.vstack(roots), mode="r"))
         return motions[singular**2 <= limit].T
 
     @cached_property
-    def _idle(self) -> Floats:
-        """The neutral motions, (motions, idle); none if springs that are soft enough for these hold any of them."""
-        answer = self.neutral.T @ self.elastic @ self.neutral
-        return self.neutral[:, : 0 if np.any(np.abs(answer) > 1e-14 * self.stiffness_scale) else None]
+    def _unresisted(self) -> Floats:
+        """The kernel motions, (motions, unresisted); none if springs soft enough for the kernel resist any of them."""
+        resistance = self.kernel.T @ self.elastic @ self.kernel
+        return self.kernel[:, : 0 if np.any(np.abs(resistance) > 1e-14 * self.stiffness_scale) else None]
 
     @cached_property
-    def _steadied(self) -> Floats:
-        """What springs give the motions, with the idle ones held."""
-        return self.elastic + self.stiffness_scale * (self._idle @ self._idle.T)
+    def _elastic_with_kernel_fixed(self) -> Floats:
+        """The stiffness of springs against the motions, with the unresisted ones fixed."""
+        return self.elastic + self.stiffness_scale * (self._unresisted @ self._unresisted.T)
 
     @cached_property
-    def neutral(self) -> Floats:
-        """The motions that change no gap and meet no spring, open or closed, (motions, neutral): nothing depends on
-        them."""
+    def kernel(self) -> Floats:
+        """The motions that change no gap and meet no spring, whatever φ is, (motions, kernel)."""
         springs = np.linalg.norm(self.springs, axis=0) / max(self.stiffness_scale, np.finfo(float).tiny)
         rows = np.vstack([np.diag(springs)] + [contact.rows for contact in self.contacts])
         _, singular, motions = np.linalg.svd(rows, full_matrices=False)
         return motions[singular <= 1e-10 * singular.max(initial=np.finfo(float).tiny)].T
 
     def fixing_dofs(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
-        """Unknowns to hold so that no motion is free, none if none is.
+        """Unknowns to fix so that no rigid motion remains; empty if there is none.
 
         Raises LooseBodyError if the forces (unknowns,) do work on a free motion; scale: the size of the forces at work.
         """
@@ -132,12 +140,12 @@ class RigidMotions:
         return select_fixing_dofs(motions)
 
     def by_owner(self, coefficients: Floats) -> list[Floats]:
-        """Every owner's part of coefficients (motions,) or (motions, n)."""
+        """The parts of coefficients (motions,) or (motions, n), one for each owner."""
         ends = np.cumsum([owner.coefficients.shape[1] for owner in self.owners])
         return np.split(coefficients, ends[:-1])
 
     def loose(self, motion: Floats, advice: str = "") -> LooseBodyError:
-        """The error that names the body which a motion (coefficients) moves most, and how; advice: ends its message."""
+        """The error that names the body which a motion (coefficients) moves most; advice: the end of its message."""
         pairs = zip(self.owners, self.by_owner(motion), strict=True)
         owner, part = max(pairs, key=lambda pair: float(np.linalg.norm(pair[1])))
         return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part), advice)
@@ -154,7 +162,7 @@ def _smallest(matrix: Floats) -> float:
 
 
 def select_fixing_dofs(motions: Floats) -> NDArray[np.intp]:
-    """As many unknowns as there are motions (unknowns, motions), such that holding them stops every motion."""
+    """As many unknowns as there are motions (unknowns, motions), such that fixing them prevents every motion."""
     if motions.shape[1] == 0:
         return np.zeros(0, dtype=np.intp)
     if motions.shape[1] == 1:
@@ -165,8 +173,8 @@ def select_fixing_dofs(motions: Floats) -> NDArray[np.intp]:
 def allowed_motions(modes: Floats, space: AdmissibleSpace) -> tuple[Floats, Floats]:
     """The rigid motions that the supports allow.
 
-    modes: (dofs, motions) all of a body; space: what the supports leave. Returns the unknowns of an orthonormal set
-    (unknowns, allowed), and its coefficients in `modes` (motions, allowed).
+    modes: (dofs, motions) all of a body; space: its admissible displacements. Returns the unknowns of an orthonormal
+    set (unknowns, allowed), and its coefficients in `modes` (motions, allowed).
     """
     # Zero rows, so that there are as many singular values as motions.
     rows = np.concatenate([space.prevented(modes), np.zeros((modes.shape[1], modes.shape[1]))])

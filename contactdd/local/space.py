@@ -208,7 +208,7 @@ def _refuse_conflict(body: Body, conflict: NDArray[np.bool_]) -> None:
 
 def _refuse_open_axis(body: Body, fixed: NDArray[np.bool_]) -> None:
     """In a body of revolution u_r = 0 on the axis, else the hoop strain u_r/r has no finite energy."""
-    if body.kinematics.ring:
+    if body.kinematics.axisymmetric:
         x = body.space.tabulate_dof_coordinates()
         radius = float(x[:, 0].max())
         loose = (np.abs(x[:, 0]) < 1e-10 * radius) & ~fixed[:, 0]  # file formats round coordinates

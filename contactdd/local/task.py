@@ -1,4 +1,4 @@
-"""What a local solver is given to make a body's local problem from."""
+"""A body with its contacts, from which a local solver makes the body's local problem."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from ..interface.discretise import InterfaceSide
 
 
 def _alone(matrix: scipy.sparse.csr_matrix) -> Operator:
+    """The operator of a single rank: the matrix itself."""
     return matrix
 
 
@@ -38,4 +39,4 @@ class LocalTask:
     comm: MPI.Comm = field(default_factory=lambda: MPI.COMM_SELF)
     original: Any = None
     signs: Floats = field(default_factory=lambda: np.ones(0))
-    collective: Callable[[scipy.sparse.csr_matrix], Operator] = _alone
+    collective: Callable[[scipy.sparse.csr_matrix], Operator] = field(default_factory=lambda: _alone)

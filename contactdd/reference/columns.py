@@ -19,13 +19,13 @@ from .moduli import oedometric_modulus
 
 @dataclass(frozen=True)
 class UniformCompression:
-    """Two equal blocks pressed flat on each other.
+    """The state of two equal blocks pressed flat on each other.
 
     Attributes:
         pressure: The contact pressure (stress).
         compression: The layers' w ≤ 0 (length).
-        shortening: Of each body (length).
-        approach: Of the outer faces (length).
+        shortening: The shortening of each body (length).
+        approach: The approach of the outer faces (length).
     """
 
     pressure: float
@@ -44,7 +44,7 @@ def uniform_compression(q: float, h: float, E: float, nu: float, B: float, a: fl
         h: The height of each block (length).
         E: Young's modulus of both (stress).
         nu: Their Poisson's ratio; the sides are held against sliding out.
-        B: Of the layer |w| = B σ^a (length / stress^a).
+        B: The compliance of the layer ``|w| = B σ^a`` (length / stress^a).
         a: Its exponent.
 
     Raises:
@@ -63,12 +63,12 @@ def uniform_compression(q: float, h: float, E: float, nu: float, B: float, a: fl
 
 @dataclass(frozen=True)
 class ColumnStack:
-    """A stack of columns pressed by its ends.
+    """The state of a stack of columns pressed by its ends.
 
     Attributes:
-        pressure: In every contact, ≥ 0 (stress).
-        compressions: w ≤ 0 of every layer (length).
-        shortenings: Of every column (length).
+        pressure: The pressure in every contact, ≥ 0 (stress).
+        compressions: The compressions w ≤ 0 of the layers (length).
+        shortenings: The shortenings of the columns (length).
     """
 
     pressure: float
@@ -88,14 +88,19 @@ def column_stack(
     p Σ H_i/E_i + Σ |w_j(p)| = closure − Σ gaps ("Known answers"), to rounding; p = 0 if the right side is ≤ 0.
 
     Args:
-        heights: (n,) of the columns (length).
+        heights: (n,) The heights of the columns (length).
         moduli: (n,) Young's moduli (stress).
-        layers: (n − 1,) the laws between neighbours.
-        gaps: (n − 1,) between neighbours before they are moved (length).
-        closure: By which the ends are brought together (length).
+        layers: (n − 1,) The laws between neighbours.
+        gaps: (n − 1,) The gaps between neighbours before they are moved (length).
+        closure: The distance by which the ends are brought together (length).
 
     Raises:
         TypeError, ValueError: An argument is out of range, or the lengths of the lists do not fit.
+
+    Example:
+        >>> from contactdd.layer import LinearLayer
+        >>> column_stack([1.0, 1.0], [100.0, 100.0], [LinearLayer(50.0)], [0.01], closure=0.05).pressure
+        1.0
     """
     heights = [positive(f"heights[{i}]", height) for i, height in enumerate(heights)]
     moduli = [positive(f"moduli[{i}]", modulus) for i, modulus in enumerate(moduli)]
@@ -141,15 +146,15 @@ def _check_stack(bodies: int, moduli: list[float], layers: Sequence[Layer], gaps
 
 @dataclass(frozen=True)
 class ParabolaOnLayer:
-    """A rigid parabola pressed into a layer on a rigid base.
+    """The contact of a rigid parabola with a layer on a rigid base.
 
     Attributes:
-        approach: How deep its vertex is pressed (length).
+        approach: The depth of the vertex below the layer's surface (length).
         R: The radius of its vertex (length).
         layer: The law.
-        half_width: Of the contact, or its radius (length).
-        peak_pressure: Under the vertex (stress).
-        force: Per unit length for the plane parabola, the whole one for the paraboloid.
+        half_width: The half width of the contact, or its radius (length).
+        peak_pressure: The pressure under the vertex (stress).
+        force: The force of the paraboloid; of the plane parabola per unit length (force / length).
     """
 
     approach: float
@@ -178,14 +183,18 @@ def rigid_parabola_on_layer(
     p₀ π b² / (n + 1) axisymmetrically, from ∫ (1 − t²)^n dt and ∫ (1 − t²)^n 2π t dt.
 
     Args:
-        approach: How deep the vertex is pressed (length).
+        approach: The depth to which the vertex is pressed (length).
         R: The radius of the vertex (length).
-        B: Of the layer |w| = B σ^a (length / stress^a).
+        B: The compliance of the layer ``|w| = B σ^a`` (length / stress^a).
         a: Its exponent.
         axisymmetric: Whether it is a paraboloid.
 
     Raises:
         TypeError, ValueError: An argument is no positive number.
+
+    Example:
+        >>> round(rigid_parabola_on_layer(0.5, R=1.0, B=1.0, a=1.0, axisymmetric=True).force, 6)  # π R δ²/B
+        0.785398
     """
     approach, R, layer = positive("approach", approach), positive("R", R), PowerLayer(B, a)
     half_width, peak, n = math.sqrt(2 * R * approach), -float(layer.stress(-approach)), 1 / layer.a

@@ -21,16 +21,17 @@ from .moduli import oedometric_modulus, plane_modulus
 
 @dataclass(frozen=True)
 class Groove:
-    """The solved groove problem; what is not stored is worked out when asked for.
+    """The solution of the groove problem; peak and edge are computed when first asked for.
 
     Attributes:
-        length: Of the contact (length).
+        length: The length of the contact (length).
         b: The groove's half width (length).
         r0: Its depth (length).
         layer: The law.
-        approach: Of the two outer faces, on average (length).
-        elastic_energy: Of both bodies, their uniform compression included (stress · length² per unit thickness).
-        layer_energy: Of the layer (the same unit).
+        approach: The mean approach of the two outer faces (length).
+        elastic_energy: The energy of both bodies, their uniform compression included (stress · length², per unit
+            thickness).
+        layer_energy: The energy of the layer (the same unit).
     """
 
     length: float
@@ -69,7 +70,7 @@ class Groove:
 
     @cached_property
     def peak_x(self) -> float:
-        """Where the contact pressure is highest."""
+        """The x of the highest contact pressure (length)."""
         x = np.linspace(0, self.length, 4097)
         peak = int(np.argmin(self.gap(x)))
         around = x[max(peak - 1, 0)], x[min(peak + 1, x.size - 1)]
@@ -82,7 +83,7 @@ class Groove:
 
     @cached_property
     def contact_edge(self) -> float:
-        """The x from which on the faces touch; 0 if they touch everywhere."""
+        """The x from which on the faces touch (length); 0 if they touch everywhere."""
         if self.gap(0.0) <= 0:
             return 0.0
         return float(brentq(self.gap, 0, self.peak_x, xtol=1e-14 * self.length))
@@ -110,16 +111,16 @@ def groove(
     rises from the edge like a power 1/a.
 
     Args:
-        length: Of the rectangles (length).
-        height: Of each of them (length).
+        length: The length of the rectangles (length).
+        height: The height of each (length).
         b: The groove's half width (length).
         r0: Its depth (length).
         E: Young's modulus of both (stress).
         nu: Their Poisson's ratio.
         q: The pressure on the outer faces (stress).
-        B: Of the layer |w| = B σ^a (length / stress^a).
+        B: The compliance of the layer ``|w| = B σ^a`` (length / stress^a).
         a: Its exponent.
-        points: Of the collocation.
+        points: The number of collocation points.
 
     Raises:
         RuntimeError: The iteration doesn't converge, which may happen with layers a million times stiffer than the
@@ -158,13 +159,17 @@ def surface_compliance(wavenumber: ArrayLike, height: float, E: float, nu: float
     κh → ∞ and to the plate's 12(1 − ν²)/(E κ⁴h³) for κh → 0.
 
     Args:
-        wavenumber: κ > 0 (1 / length), of any shape.
-        height: h (length).
+        wavenumber: The wave numbers κ > 0 (1 / length), of any shape.
+        height: The layer's height h (length).
         E: Young's modulus (stress).
         nu: Poisson's ratio.
 
     Raises:
         TypeError, ValueError: An argument isn't positive, or ν lies outside of (−1, 0.5).
+
+    Example:
+        >>> round(float(surface_compliance(100.0, height=1.0, E=2.0, nu=0.0)), 12)  # 2/(E κ), the half-plane's
+        0.01
     """
     wavenumber = np.asarray(wavenumber, dtype=float)
     if not np.all(wavenumber > 0):

@@ -23,8 +23,8 @@ class HalfPlaneGroove:
         q: The pressure far away (stress).
         b: The groove's half width (length).
         r0: Its depth (length).
-        closing_pressure: The q_c that closes it (stress).
-        open_half_width: a*, 0 if it is closed (length).
+        closing_pressure: The pressure q_c that closes the groove (stress).
+        open_half_width: The half width a* of the part that stays open, 0 if the groove is closed (length).
         closed: Whether q ≥ q_c.
     """
 

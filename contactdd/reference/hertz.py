@@ -18,8 +18,8 @@ class HertzCylinder:
     """Hertz' contact of parallel cylinders.
 
     Attributes:
-        half_width: Of the contact (length).
-        peak_pressure: In its middle (stress).
+        half_width: The half width of the contact (length).
+        peak_pressure: The pressure in its middle (stress).
     """
 
     half_width: float
@@ -39,9 +39,9 @@ class HertzSphere:
     """Hertz' contact of spheres.
 
     Attributes:
-        radius: Of the contact (length).
-        approach: Of points far from it (length).
-        peak_pressure: In its middle (stress).
+        radius: The radius of the contact (length).
+        approach: The approach of points far from it (length).
+        peak_pressure: The pressure in its middle (stress).
     """
 
     radius: float
@@ -71,7 +71,7 @@ def hertz_cylinder(
     Johnson, Contact Mechanics, §4.2(c): half-width² = 4 P R / (π E*), peak = 2 P / (π half-width).
 
     Args:
-        load_per_length: P (force / length).
+        load_per_length: The load P per unit length (force / length).
         R1: Radius of the first body (length).
         E1: Its Young's modulus (stress).
         nu1: Its Poisson's ratio.
@@ -106,7 +106,7 @@ def hertz_sphere(
     Johnson, Contact Mechanics, §4.2(a): radius³ = 3 F R / (4 E*), approach = radius²/R, peak = 3 F / (2π radius²).
 
     Args:
-        force: F (force).
+        force: The force F.
         R1: Radius of the first body (length).
         E1: Its Young's modulus (stress).
         nu1: Its Poisson's ratio.
@@ -116,6 +116,11 @@ def hertz_sphere(
 
     Raises:
         TypeError, ValueError: An argument is out of range.
+
+    Example:
+        >>> found = hertz_sphere(1e3, R1=50.0, E1=20e3, nu1=0.0)
+        >>> print(f"{found.radius:.4f} {found.approach:.4f}")
+        1.2331 0.0304
     """
     force, relative = positive("force", force), _relative_radius(R1, R2)
     radius = float(np.cbrt(0.75 * force * relative / contact_modulus(E1, nu1, E2, nu2)))

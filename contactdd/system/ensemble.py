@@ -27,8 +27,8 @@ def joint_motions(ensemble: Ensemble) -> RigidMotions:
     motions = [problem.rigid for problem in ensemble.problems]
     modes = scipy.linalg.block_diag(*(each.modes for each in motions))
     springs = scipy.linalg.block_diag(*(each.springs for each in motions))
-    closing = np.sqrt(ensemble.weights)[:, None] * (ensemble.closing @ modes)
-    contacts = [Resistance(index, rows) for index, rows in enumerate(ensemble.by_interface(closing))]
+    approach = np.sqrt(ensemble.weights)[:, None] * (ensemble.normal_approach @ modes)
+    contacts = [Resistance(index, rows) for index, rows in enumerate(ensemble.by_interface(approach))]
     owners = [owner for each in motions for owner in each.owners]
     return RigidMotions(modes, springs, contacts, owners, max(each.stiffness_scale for each in motions))
 
@@ -42,9 +42,9 @@ LARGEST_DENSE = 600
 LARGEST_PRODUCT = 4_000_000
 
 
-#: Such products that take as long as one entry of the map that is made instead where rows have few entries: 40 ns to
-#: find its place, against 0.03 ns in each of some eight steps. Measured, they were above 900 for each entry of stacks
-#: of plane bodies, and below 40 for solids of degree 1 to 5.
+#: Cost of one entry of the map that is made instead where rows have few entries, in units of such products: finding its
+#: position takes 40 ns, a product 0.03 ns in about eight steps. Measured numbers of products per entry: above 900 for
+#: stacks of plane bodies, below 40 for solids of degree 1 to 5.
 PRODUCTS_PER_ENTRY = 150
 
 
@@ -69,10 +69,10 @@ class Forces:
 class Ensemble:
     """The bodies' problems and the contacts between them, in the unknowns y of all bodies one after another.
 
-    parts: where each body's unknowns stand in y; points: where each interface's points stand among all of them;
-    weights: (points,) areas; size: how many unknowns; load: (unknowns,), load_size its norm; dense: whether the bodies'
-    stiffnesses all are, and small together; stiffness: of all bodies, dense then; closing: (points, unknowns) from y to
-    u_αn + u_βn, dense then where its products are cheap.
+    parts: the slice of each body's unknowns in y; points: the slice of each interface's points among all of them;
+    weights: (points,) areas; size: the number of unknowns; load: (unknowns,), load_size its norm; dense: True if every
+    body's stiffness is dense and the total is at most LARGEST_DENSE; stiffness: of all bodies, dense then;
+    normal_approach: (points, unknowns) the operator from y to u_αn + u_βn, dense then where its products are cheap.
     """
 
     def __init__(self, problems: Sequence[LocalProblem], interfaces: Sequence[Interface]) -> None:
@@ -85,9 +85,9 @@ class Ensemble:
         self.load_size = math.sqrt(sum(norm(p.dofs.free_forces(p.dofs.load)) ** 2 for p in problems))
         self.dense = self.size <= LARGEST_DENSE and all(isinstance(p.stiffness, np.ndarray) for p in problems)
         self.stiffness = self._along_diagonal([problem.stiffness for problem in problems])
-        self.closing = self._closing()
-        self._opening = self.closing.T
-        self._open = self._undeformed_gaps()
+        self.normal_approach = self._normal_approach()
+        self._onto_unknowns = self.normal_approach.T
+        self._initial_gaps = self._undeformed_gaps()
         motions = [p.rigid for p in problems]
         self._moves = any(each.modes.shape[1] for each in motions)
         self._motions = self._along_diagonal([each.modes for each in motions])
@@ -111,20 +111,20 @@ class Ensemble:
 
     def gaps(self, y: Floats) -> list[Floats]:
         """The deformed gaps z = d − u_αn − u_βn at the points of every interface."""
-        return self.by_interface(self._open - self.closing @ y)
+        return self.by_interface(self._initial_gaps - self.normal_approach @ y)
 
     def shifted(self, shifts: Sequence[Floats]) -> Ensemble:
-        """The same bodies with gaps less by these lengths (points,) of every interface; everything else is shared."""
+        """The same bodies with gaps reduced by lengths (points,) for every interface; everything else is shared."""
         other = copy(self)
-        other._open = self._undeformed_gaps() - np.concatenate(shifts)
+        other._initial_gaps = self._undeformed_gaps() - np.concatenate(shifts)
         return other
 
     def deformation(self, y: Floats) -> Floats:
-        """y without the bodies' free rigid motions: what stresses come from."""
+        """y without the bodies' free rigid motions, from which stresses follow."""
         return y - self._motions @ (self._onto_motions @ y) if self._moves else y
 
     def elastic_forces(self, y: Floats, deformation: Floats) -> Floats:
-        """A y: of the deformation, and of the springs that answer a rigid motion. (unknowns,) or (unknowns, n)."""
+        """The elastic forces A y: of the deformation, and of springs; (unknowns,) or (unknowns, n)."""
         forces = self.stiffness @ deformation
         return forces + self._springs @ (self._onto_motions @ y) if self._sprung else forces
 
@@ -134,9 +134,9 @@ class Ensemble:
         return work + float((self._onto_motions @ y) @ (self._springs.T @ y)) if self._sprung else work
 
     def forces(self, state: State) -> Forces:
-        """−F₁' at an iterate, and what it is made of."""
+        """The forces at an iterate: −F₁' and its parts."""
         tractions = self.tractions(state)
-        contact = self._opening @ tractions
+        contact = self._onto_unknowns @ tractions
         elastic = self.elastic_forces(state.unknowns, state.deformation)
         return Forces(tractions, elastic, self.load + contact - elastic, self.at_work(norm(contact)))
 
@@ -151,7 +151,7 @@ class Ensemble:
     def tractions(self, state: State) -> Floats:
         """The contact stresses g⁻(z) times the areas, at all points."""
         contacts = zip(self.interfaces, state.gaps, strict=True)
-        return self.weights * np.concatenate([i.contact.layer.contact_stress(z) for i, z in contacts])
+        return self.weights * np.concatenate([i.layer.contact_stress(z) for i, z in contacts])
 
     def energy(self, state: State, elastic: Floats | None = None) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); elastic: the elastic forces, where they are known."""
@@ -163,19 +163,19 @@ class Ensemble:
     def layer_energy(self, state: State) -> float:
         """J = Σ ∫ ∫₀^z g⁻."""
         contacts = zip(self.interfaces, state.gaps, strict=True)
-        return sum(float(i.weights @ i.contact.layer.energy(z)) for i, z in contacts)
+        return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts)
 
     def tangent(self, phi: Mapping[int, Floats], y: Floats) -> Floats:
         """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system of (17), (26), (27) times y.
 
         phi: the coefficient at the points of each interface; y: (unknowns,) or (unknowns, n).
         """
-        closed = self.closing @ y
-        at_points = (self.weights * self.at_all_points(phi) * closed.T).T
-        return self.elastic_forces(y, self.deformation(y)) + self._opening @ at_points
+        approach = self.normal_approach @ y
+        at_points = (self.weights * self.at_all_points(phi) * approach.T).T
+        return self.elastic_forces(y, self.deformation(y)) + self._onto_unknowns @ at_points
 
     def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
-        """A coefficient that is given by interface, at all points."""
+        """A coefficient given by interface, at all points."""
         return np.concatenate([phi[index] for index in range(len(self.interfaces))])
 
     def change(self, step: Floats, y: Floats, at_nodes: bool) -> float:
@@ -207,7 +207,7 @@ class Ensemble:
             return BlockDiagonal(blocks)
         return scipy.linalg.block_diag(*blocks)
 
-    def _closing(self) -> Operator:
+    def _normal_approach(self) -> Operator:
         """The operator from y to u_αn + u_βn at all points."""
         shape = (len(self.weights), self.size)
         ports = [(part, port) for part, p in zip(self.parts, self.problems, strict=True) for port in p.traces]
@@ -235,7 +235,7 @@ class Ensemble:
         return not small or products <= PRODUCTS_PER_ENTRY * entries
 
     def _undeformed_gaps(self) -> Floats:
-        """The gaps d less what the prescribed displacements close of them, at all points."""
+        """The initial gaps d less the normal approach by prescribed displacements, at all points."""
         gaps = np.concatenate([interface.gap for interface in self.interfaces])
         for problem in self.problems:
             for port in problem.traces:
@@ -255,7 +255,7 @@ class BlockDiagonal:
 
     @cached_property
     def parts(self) -> list[slice]:
-        """Where each block's part of a vector is."""
+        """The slice of a vector that each block is applied to."""
         return _slices(block.shape[1] for block in self.blocks)
 
     def __matmul__(self, y: Floats) -> Floats:
@@ -268,11 +268,11 @@ def norm(vector: Floats) -> float:
 
 
 def _slices(sizes: Iterable[int]) -> list[slice]:
-    """The places of parts of the given sizes, one after another."""
+    """The slices of parts of the given sizes, one after another."""
     ends = list(itertools.accumulate(sizes, initial=0))
     return [slice(*pair) for pair in itertools.pairwise(ends)]
 
 
 def _starts(parts: Sequence[Floats]) -> NDArray[np.intp]:
-    """Where each of the parts begins."""
+    """The index at which each of the parts begins."""
     return np.array([part.start for part in _slices(map(len, parts))])

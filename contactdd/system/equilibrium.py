@@ -1,7 +1,7 @@
-"""Whether a scene can be in equilibrium at all.
+"""The existence of an equilibrium.
 
 F₁ is convex, so it has no minimum exactly where some motion lowers it for ever: a rigid motion on which the loads do
-work, that meets no elastic force and closes no gap. A linear programme finds such a motion or excludes it.
+work, that causes no elastic force and closes no gap. A linear programme finds such a motion or excludes it.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ AT_THE_EDGE = (
 
 
 def unbounded_motion(ensemble: Ensemble) -> LooseBodyError | None:
-    """What describes a motion along which the loads move the bodies for ever, or None if there is no such motion."""
+    """The error that describes a motion along which loads move bodies for ever; None if there is no such motion."""
     motions = ensemble.rigid
     count = motions.modes.shape[1]
     if count == 0 or ensemble.load_size == 0.0:
         return None
-    # Motions that springs resist are no way out.
+    # Motions that springs resist are bounded.
     free = scipy.linalg.null_space(motions.elastic, rcond=1e-12) if np.any(motions.elastic) else np.eye(count)
     work = free.T @ _work_of_loads(ensemble)
     if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * ensemble.load_size:
@@ -64,7 +64,7 @@ def _way_out(work: Floats, closes: Floats) -> Floats | None:
 
 
 def _rows_near_edges(ensemble: Ensemble, interface: Interface) -> Floats:
-    """√weight times what the free rigid motions close at points very near the facets' edges, (points, motions)."""
+    """√weight times the normal approach of rigid motions at points very near the facets' edges, (points, motions)."""
     first, second = interface.sides
     fine = discretise(interface.contact.resampled(NEAR_EDGES), (first.body, second.body), interface.facets)
     owners = ensemble.rigid.owners
@@ -84,7 +84,7 @@ def _work_of_loads(ensemble: Ensemble) -> Floats:
 
 
 def _least_motion(work: Floats, closes: Floats, motion: Floats) -> Floats:
-    """Of the motions that do as much work and close no gap that with the least in it: whatever need not move stays.
+    """The smallest of the motions that do as much work and close no gap: bodies that need not move stay.
 
     work: (motions,) of the loads; closes: (points, motions); motion: one of them. A linear programme for its
     parts forwards and backwards.

@@ -67,7 +67,7 @@ def _told(scene: Scene, settings: Mapping[str, Any]) -> Iterator[Told]:
         yield f"contact {contact.name!r}, points", _measure(np.hstack([interface.x, interface.weights[:, None]]))
         yield f"contact {contact.name!r}, gap", _measure(interface.gap)
         yield f"contact {contact.name!r}, layer", _text(contact.layer)
-        yield f"contact {contact.name!r}, law of the layer", _of_layer(interface.contact.layer, contact.reach)
+        yield f"contact {contact.name!r}, law of the layer", _of_layer(interface.layer, contact.reach)
 
 
 def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:

@@ -1,4 +1,4 @@
-"""Where a run starts: the iterate u⁰ and, for the two-point methods, the one before it."""
+"""The start of a run: the iterate u⁰ and, for the two-point methods, the one before it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ import numpy as np
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
 from ..field import evaluate
+from ..hard_contact import AugmentedLayer
+from ..layer import Layer
 from .state import State
 
 if TYPE_CHECKING:
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
     from .ensemble import Ensemble
 
 
-#: How often the layers' secant stiffnesses are found anew: then a stack's contacts share a force to a few parts in ten.
+#: Updates of the layers' secant stiffnesses: then a stack's contacts share a force to a few parts in ten.
 SECANTS = 2
 
 
@@ -28,7 +30,7 @@ Given = float | Callable[[Floats], Floats]
 
 
 def from_displacements(ensemble: Ensemble, displacements: Callable[[str], Floats]) -> State:
-    """Go on from the displacements (dofs,) of the same bodies, by their names, such as a solution has them."""
+    """The iterate with the displacements (dofs,) of the same bodies, by their names, such as those of a solution."""
     parts = []
     for problem in ensemble.problems:
         displacement = displacements(problem.name)
@@ -42,15 +44,20 @@ def from_displacements(ensemble: Ensemble, displacements: Callable[[str], Floats
 
 
 def with_multipliers(state: State, ensemble: Ensemble, multipliers: list[Floats]) -> State:
-    """The same iterate with the multipliers of hard contacts, pressures, if they are of as many points."""
+    """The same iterate with the multipliers (pressures) of hard contacts, if they are of as many points."""
     if [len(pressure) for pressure in multipliers] != [len(gaps) for gaps in state.gaps]:
         return state
-    contacts = zip(ensemble.interfaces, multipliers, strict=True)
-    return replace(state, shifts=[p / i.contact.layer.stiffness if i.hard else 0.0 * p for i, p in contacts])
+    laws = [interface.layer for interface in ensemble.interfaces]
+    return replace(state, shifts=[_shift(law, pressure) for law, pressure in zip(laws, multipliers, strict=True)])
+
+
+def _shift(law: Layer, multiplier: Floats) -> Floats:
+    """λ/k of a hard contact, zeros of any other."""
+    return np.asarray(multiplier / law.stiffness) if isinstance(law, AugmentedLayer) else 0.0 * multiplier
 
 
 def from_contacts(ensemble: Ensemble, ranks: Ranks, u_n: Given, previous: Given | None) -> State:
-    """u_n at all contact points (length) and, if given, that of the iterate before; the inside in equilibrium."""
+    """The iterate with u_n at all contact points (length) and the inside in equilibrium; previous: u_n one before."""
     given = {index: _at_points("start", u_n, interface) for index, interface in enumerate(ensemble.interfaces)}
     state = _state(ensemble, ranks.each(lambda index: ensemble.problems[index].start(given)))
     if previous is not None:
@@ -59,15 +66,15 @@ def from_contacts(ensemble: Ensemble, ranks: Ranks, u_n: Given, previous: Given 
 
 
 def undeformed(ensemble: Ensemble) -> State:
-    """No displacement but the prescribed ones, and the rigid motions along which they carry their bodies."""
+    """Undeformed bodies, moved only by the rigid part of prescribed displacements."""
     return _state(ensemble, [np.zeros(ensemble.size)])
 
 
-def together(ensemble: Ensemble) -> State:
-    """No deformation, but bodies are carried along by what is prescribed, and those that float are moved until their
-    contacts are about as closed as the loads want, or as evenly pressed as prescribed displacements leave them.
+def rigidly_closed(ensemble: Ensemble) -> State:
+    """Undeformed bodies; floating ones are translated and rotated until their contacts carry about the mean load.
 
-    Linear least-squares problems for the rigid motions; those that springs resist are left alone.
+    Where displacements are prescribed, until the contacts are as evenly compressed as these allow. Linear least-squares
+    problems for the rigid motions; those that springs resist are left out.
     """
     motions, compressions = ensemble.rigid, _compressions(ensemble)
     floating = ~np.any(motions.springs, axis=0)
@@ -76,11 +83,11 @@ def together(ensemble: Ensemble) -> State:
         return undeformed(ensemble)
     contacts = list(zip(ensemble.interfaces, ensemble.gaps(np.zeros(ensemble.size)), compressions, strict=True))
     wanted = np.concatenate([np.sqrt(i.weights) * (z.min() - w) for i, z, w in contacts])
-    closing = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
+    approach = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
 
     def moved(stiffnesses: Floats) -> State:
         roots = np.sqrt(np.repeat(stiffnesses, [len(z) for _, z, _ in contacts]))
-        coefficients = np.linalg.lstsq(roots[:, None] * closing, roots * wanted, rcond=1e-10)[0]
+        coefficients = np.linalg.lstsq(roots[:, None] * approach, roots * wanted, rcond=1e-10)[0]
         return _state(ensemble, [motions.modes[:, floating] @ coefficients])
 
     state = moved(np.ones(len(contacts)))
@@ -89,13 +96,13 @@ def together(ensemble: Ensemble) -> State:
     return state
 
 
-def closed(ensemble: Ensemble, ranks: Ranks) -> State:
-    """Every contact closed evenly, until where its gap is smallest it carries the largest mean load of a body.
+def uniformly_closed(ensemble: Ensemble, ranks: Ranks) -> State:
+    """All contacts closed by a uniform amount: the smallest gap carries the largest mean contact stress of a body.
 
-    Bodies that float need such a start: with all contacts open nothing would hold them.
+    Floating bodies need such a start: with all contacts open nothing would hold them.
     """
     if any(problem.dofs.prescribed for problem in ensemble.problems):
-        return _closed_where_carried(ensemble, ranks)
+        return _closed_from_prescribed(ensemble, ranks)
     given = {
         index: np.full(len(interface.weights), 0.5 * (interface.gap.min() - w))
         for index, (interface, w) in enumerate(zip(ensemble.interfaces, _compressions(ensemble), strict=True))
@@ -103,11 +110,11 @@ def closed(ensemble: Ensemble, ranks: Ranks) -> State:
     return _state(ensemble, ranks.each(lambda index: ensemble.problems[index].start(given)))
 
 
-def _closed_where_carried(ensemble: Ensemble, ranks: Ranks) -> State:
-    """The same from where prescribed displacements carry the bodies, or press them closer."""
-    there, compressions = together(ensemble), _compressions(ensemble)
-    approach = [max(0.5 * (float(z.min()) - w), 0.0) for z, w in zip(there.gaps, compressions, strict=True)]
-    parts = ensemble.split(there.unknowns)
+def _closed_from_prescribed(ensemble: Ensemble, ranks: Ranks) -> State:
+    """The same from the rigid motions of prescribed displacements, which may close contacts further."""
+    moved, compressions = rigidly_closed(ensemble), _compressions(ensemble)
+    approach = [max(0.5 * (float(z.min()) - w), 0.0) for z, w in zip(moved.gaps, compressions, strict=True)]
+    parts = ensemble.split(moved.unknowns)
 
     def of(index: int) -> Floats:
         traces = ensemble.problems[index].traces
@@ -119,14 +126,14 @@ def _closed_where_carried(ensemble: Ensemble, ranks: Ranks) -> State:
 
 
 def _at_points(name: str, value: Given, interface: Interface) -> Floats:
-    """A number or a function of the coordinates x (dim, n) at the points of an interface."""
+    """The values of a number or a function of the coordinates x (dim, n) at the points of an interface."""
     return evaluate(name, value, interface.x.T)
 
 
 def _compressions(ensemble: Ensemble) -> list[float]:
-    """w of every contact under the largest mean load of a body."""
+    """The compressions w of all contacts under the largest mean contact stress of a body."""
     stress = max(_mean_contact_stress(ensemble, problem) for problem in ensemble.problems)
-    return [float(np.mean(interface.contact.layer.compression(-stress))) for interface in ensemble.interfaces]
+    return [float(np.mean(interface.layer.compression(-stress))) for interface in ensemble.interfaces]
 
 
 def _mean_contact_stress(ensemble: Ensemble, problem: LocalProblem) -> float:
@@ -136,11 +143,11 @@ def _mean_contact_stress(ensemble: Ensemble, problem: LocalProblem) -> float:
 
 
 def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:
-    """p/w of every layer where it is compressed most, (interfaces,): springs like that in a row share a force."""
+    """The secant stiffness p/w of each layer where it is compressed most, (interfaces,)."""
     depths = np.array([max(-float(z.min()), 0.0) for z in state.gaps])
     if not np.any(depths):
         return np.ones(len(depths))
-    layers = [interface.contact.layer for interface in ensemble.interfaces]
+    layers = [interface.layer for interface in ensemble.interfaces]
     pressures = np.array([-float(np.mean(law.contact_stress(-w))) for law, w in zip(layers, depths, strict=True)])
     typical = np.full(len(depths), pressures.max() / depths.max())
     secants = np.divide(pressures, depths, out=typical, where=depths > 0.0)
@@ -148,7 +155,7 @@ def _secant_stiffnesses(ensemble: Ensemble, state: State) -> Floats:
 
 
 def _state(ensemble: Ensemble, parts: list[Floats]) -> State:
-    """The iterate with these unknowns, given by body or all together."""
+    """The iterate with given unknowns, by body or of all."""
     y = np.concatenate(parts)
     gaps = ensemble.gaps(y)
     return State(y, ensemble.deformation(y), gaps, gaps)

@@ -66,7 +66,7 @@ def predicted_contraction(scene: cd.Scene, gamma: float) -> float:
     A: the bodies' stiffness; Φ: the Robin terms, body by body; C: the contacts' coupled stiffness.
     """
     problems = scene.local_problems("condensed")
-    phi = {i: np.full(len(face.weights), face.contact.layer.stiffness) for i, face in enumerate(scene.interfaces)}
+    phi = {i: np.full(len(face.weights), face.layer.stiffness) for i, face in enumerate(scene.interfaces)}
     ensemble = Ensemble(problems, scene.interfaces)
     unknowns = np.eye(ensemble.size)
     coupled = ensemble.tangent(phi, unknowns)
