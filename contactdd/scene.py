@@ -202,7 +202,7 @@ class Scene:
 
     def parameter_values(self) -> list[float | Floats]:
         """The present values of all parameters that loads, prescribed displacements and gaps follow."""
-        return [parameter.value for parameter in self._parameters()]
+        return [parameter.value for parameter in self._parameters]
 
     @contextmanager
     def at(self, values: Sequence[float | Floats]) -> Iterator[None]:
@@ -212,7 +212,7 @@ class Scene:
             values: As `parameter_values` told them.
         """
         present = self.parameter_values()
-        parameters = self._parameters()
+        parameters = self._parameters
         try:
             for parameter, value in zip(parameters, values, strict=True):
                 parameter.value = value
