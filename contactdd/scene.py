@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -95,6 +96,15 @@ class Scene:
         if self._solvers is None:
             self._solvers = LocalSolvers(self.bodies, self.interfaces, self.ranks)
         return self._solvers.problems(local_solver)
+
+    def subproblems(self, local_solver: str = "auto") -> list[LocalProblem]:
+        """The old name of `local_problems`.
+
+        Args:
+            local_solver: See there.
+        """
+        warnings.warn("Scene.subproblems is now called local_problems", DeprecationWarning, stacklevel=2)
+        return self.local_problems(local_solver)
 
     def refresh(self) -> None:
         """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.

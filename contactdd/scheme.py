@@ -7,6 +7,7 @@ sums φ (u_αn + u_βn)(v_αn + v_βn).
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -64,6 +65,9 @@ class Scheme:
                 raise TypeError(f"{name} = {getattr(self, name)!r}: expected a text")
         if not callable(self.coefficient):
             raise TypeError(f"coefficient = {self.coefficient!r}: expected a function (layer, z, z_previous, x) -> φ")
+        if self.step == "apart":
+            warnings.warn('step = "apart" is now called "decomposed"', DeprecationWarning, stacklevel=3)
+            object.__setattr__(self, "step", "decomposed")
         check_choice("step", self.step, STEPS)
         as_bool("accelerated", self.accelerated)
 
