@@ -125,5 +125,5 @@ def warn(sizes: Sequence[StrainSize]) -> None:
             f"linear theory is doubtful here: {'; '.join(large)}; it is good for strains below {LARGE_STRAIN:g} and "
             f"rotations below {LARGE_ROTATION:g} rad, where it errs by 5 % and 0.5 %",
             LargeStrainWarning,
-            stacklevel=4,
+            stacklevel=6,  # `solve` is called through `warn_of_doubts`, the solution and its decorator
         )

@@ -32,6 +32,7 @@ LEVELS = [
     ["iteration"],
     ["saved"],
     ["solution"],
+    ["doubts"],
     ["solve"],
     ["error_estimate"],
     ["programme"],
