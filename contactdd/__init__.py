@@ -16,6 +16,7 @@ from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
 from .contact_result import ContactResult
+from .error_estimate import ContactErrorEstimate, ErrorEstimate, Estimated, error_estimate
 from .errors import (
     CheckpointError,
     ContactError,
@@ -84,12 +85,15 @@ __all__ = [
     "CheckpointError",
     "Contact",
     "ContactError",
+    "ContactErrorEstimate",
     "ContactResult",
     "ContactTrace",
     "ContactWarning",
     "CustomLayer",
     "DenseSystem",
     "Displacement",
+    "ErrorEstimate",
+    "Estimated",
     "ExponentialLayer",
     "Fields",
     "Fixed",
@@ -135,6 +139,7 @@ __all__ = [
     "VaryingLayer",
     "box",
     "compat",
+    "error_estimate",
     "from_dolfinx",
     "from_gmsh",
     "load_solution",

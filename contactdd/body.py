@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -26,6 +26,15 @@ from .support import Spring, Support
 #: Degrees of elements from which on their stiffness' rounding is felt: at 14 a residual of 3e-12 is left on triangles,
 #: at 20 4e-10, at 30 4e-6.
 LARGEST_DEGREE = 15
+
+
+def _flat(values: Iterable[Any]) -> Iterator[Any]:
+    """The values in values and lists of values."""
+    for value in values:
+        if isinstance(value, list | tuple):
+            yield from _flat(value)
+        else:
+            yield value
 
 
 class Body:
@@ -93,6 +102,55 @@ class Body:
     def __repr__(self) -> str:
         elements = f"{self.mesh.cells} cells, degree {self.degree}"
         return f"Body({self.name!r}, {elements}, {self.material}, {self.kinematics.name})"
+
+    def with_degree(self, degree: int) -> Body:
+        """The same body in elements of another degree: its mesh, material, supports, loads and local solver are shared.
+
+        Args:
+            degree: Of the Lagrange elements.
+
+        Raises:
+            TypeError, ValueError: There are no elements of that degree.
+
+        Example:
+            >>> import contactdd as cd
+            >>> mesh = cd.rectangle((0, 0), (2, 1), (4, 2))
+            >>> cd.Body("block", mesh, cd.Isotropic(E=2.1e5, nu=0.3)).with_degree(2).dofs
+            90
+        """
+        return self._made_anew(self.mesh, degree)
+
+    def on(self, mesh: Mesh) -> Body:
+        """The same body on another mesh, such as a finer one, which has surfaces of the same names.
+
+        Args:
+            mesh: The mesh.
+
+        Raises:
+            ValueError: A surface that supports or loads need is missing, or one of these is a UFL expression, which
+                belongs to the present mesh.
+        """
+        if mesh is not self.mesh:
+            for item in (*self.supports, *self.loads):
+                if any(isinstance(value, ufl.core.expr.Expr) for value in _flat(vars(item).values())):
+                    raise ValueError(
+                        f"body {self.name!r}: its {type(item).__name__} is a UFL expression, which belongs to its "
+                        "mesh; expected a number or a function of the coordinates"
+                    )
+        return self._made_anew(mesh, self.degree)
+
+    def _made_anew(self, mesh: Mesh, degree: int) -> Body:
+        """The same body on another mesh or of another degree, checked as a new one is."""
+        return Body(
+            self.name,
+            mesh,
+            self.material,
+            supports=self.supports,
+            loads=self.loads,
+            degree=degree,
+            kinematics=self.kinematics.name,
+            local_solver=self.local_solver,
+        )
 
     @property
     def space(self) -> fem.FunctionSpace:

@@ -55,7 +55,7 @@ class ContactResult:
         pressure: (n,) The contact pressure −σ_n >= 0 (stress).
         unpaired_area: The area of either surface that lies opposite nothing and is therefore outside the contact.
         initial_gap: (n,) The gap d before deformation (length).
-        corners: (facets, corners, dim) The corners of the first body's contact surface, in order around each facet.
+        outline: The `corners`, or what finds them when they are first asked for; None where they are not known.
         ring: Whether the bodies are bodies of revolution, x[:, 0] the radius.
         pointwise_pressure: (n,) The law at the points, −g(w), whatever `pressure` is (stress).
         wavers: Whether the law's pressure wavers from point to point around the right mean, as under a layer much
@@ -83,12 +83,17 @@ class ContactResult:
     pressure: Floats
     unpaired_area: tuple[float, float] = (0.0, 0.0)
     initial_gap: Floats | None = None
-    corners: Floats | None = None
+    outline: Floats | Callable[[], Floats] | None = field(default=None, repr=False, compare=False)
     ring: bool = False
     pointwise_pressure: Floats | None = None
     wavers: bool = False
     hard: bool = False
     nodal: NodalPressure | Callable[[], NodalPressure] | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def corners(self) -> Floats | None:
+        """The corners (facets, corners, dim) of the first body's contact surface, in order around each facet."""
+        return self.outline() if callable(self.outline) else self.outline
 
     @cached_property
     def nodal_field(self) -> NodalPressure:

@@ -271,6 +271,7 @@ def _taken_apart(item: Any, prefix: str, arrays: dict[str, NDArray], skip: str =
     plain = {}
     for name in (field.name for field in fields(item) if field.name != skip):
         value = getattr(item, name)
+        value = value() if callable(value) else value
         if isinstance(value, np.ndarray):
             arrays[f"{prefix} {name}"] = value
         elif value is not None:

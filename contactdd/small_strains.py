@@ -104,8 +104,7 @@ _known: WeakKeyDictionary[Body, tuple[float, float]] = WeakKeyDictionary()
 def _scales(body: Body) -> tuple[float, float]:
     """A body's thickness, the shortest side of its bounding box, and its smallest stiffness; both never change."""
     if body not in _known:
-        x = body.mesh.domain.geometry.x
-        _known[body] = float(np.ptp(x[:, : body.mesh.dim], axis=0).min()), _least_stiffness(body.material, x)
+        _known[body] = float(body.mesh.extent.min()), _least_stiffness(body.material, body.mesh.domain.geometry.x)
     return _known[body]
 
 

@@ -57,6 +57,8 @@ class Solution:
         status: "converged", "iteration limit", "stalled", "diverged", "no equilibrium" or "stopped".
         reason: The reason of that, in words.
         method: The scheme's name.
+        local_solver: The local solver that was asked for.
+        cpu_seconds: The CPU time of the solve and of what it made of the scene for the first time (s).
 
     Example:
         >>> import contactdd as cd
@@ -79,8 +81,12 @@ class Solution:
         status: str,
         reason: str,
         method: str,
+        local_solver: str = "auto",
+        cpu_seconds: float = float("nan"),
     ) -> None:
         self.scene, self.history, self.status, self.reason, self.method = scene, history, status, reason, method
+        self.local_solver, self.cpu_seconds = local_solver, cpu_seconds
+        self.parameter_values = scene.parameter_values()
         self._ensemble, self._state = ensemble, state
         self._displacements: dict[str, fem.Function] = {}
         if not scene.ranks.alone:
@@ -120,6 +126,23 @@ class Solution:
             self._displacements[name] = function
         return self._displacements[name]
 
+    def displacement_on(self, body: Body) -> Floats:
+        """The displacement (dofs,) of the body of the same name in the elements of another, to go on from (length).
+
+        Args:
+            body: A body on the same mesh, or on one refined from it, in elements of any degree, or numbered alike.
+
+        Raises:
+            ValueError: The scene has no body of that name.
+        """
+        own = self.scene.bodies[self._place(body.name)]
+        u = self.displacement(own)
+        if body.mesh is None or own.mesh is None:
+            return u if own.mesh is None else u.x.array
+        same = own.mesh is body.mesh and own.degree == body.degree
+        carried = None if same else body.elements.interpolated(u, own.elements)
+        return u.x.array if carried is None else carried
+
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """The pressure, gap and compression of a contact at its points.
 
@@ -139,10 +162,28 @@ class Solution:
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
             if gathered is None:
-                pressure = 0.0 - interface.layer.contact_stress(gaps)
+                pressure = _law_pressure(interface, gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
         return _contact_result(interface, gaps, pressure, stiffness_ratio, wavers)
+
+    def contact_at(self, other: Interface) -> tuple[Floats, Floats]:
+        """The gap (length) and the contact pressure (stress), (points,) each, at the points of the same contact as it
+        was discretised for another solution, on the same meshes in elements of another degree.
+
+        Args:
+            other: That solution's interface.
+        """
+        index = self.scene.contact_index(other.contact.name)
+        interface = self.interfaces[index]
+        places = other.sides[0].body, other.sides[1].body
+        seen = discretise(interface.contact, places, other.facets, other.gathered is not None, other.rule)
+        if seen.x.shape != other.x.shape or np.abs(seen.x - other.x).max() > 1e-9 * np.abs(other.x).max():
+            raise RuntimeError(f"contact {other.contact.name!r}: its points are others in elements of another degree")
+        if interface.hard:  # the pressures of nodes, which are the same
+            return self._gaps[index], self._pressure(index)
+        gaps = seen.gap - self._closed(seen)
+        return gaps, _law_pressure(seen, gaps)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -245,7 +286,7 @@ class Solution:
 
     def _pressure(self, index: int) -> Floats:
         """The contact pressure at the points of an interface."""
-        return 0.0 - self.interfaces[index].layer.contact_stress(self._state.gaps[index])
+        return _law_pressure(self.interfaces[index], self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
         """The six stresses of a body, a dolfinx function, in the order xx, yy, zz, yz, xz, xy.
@@ -540,17 +581,10 @@ class Solution:
         return total
 
     def _place(self, body: str | Body) -> int:
-        for place, other in enumerate(self.scene.bodies):
-            if other is body or other.name == body:
-                return place
-        raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.scene.bodies)}")
+        return self.scene.body_index(body)
 
     def _contact_index(self, contact: str | int | Contact) -> int:
-        for index, other in enumerate(self.scene.contacts):
-            if contact in (other, index, other.name, typed(other.name)):
-                return index
-        known = ", ".join(repr(typed(other.name)) for other in self.scene.contacts)
-        raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
+        return self.scene.contact_index(contact)
 
 
 def _passed(interface: Interface, gaps: Floats) -> str:
@@ -570,9 +604,9 @@ def _passed(interface: Interface, gaps: Floats) -> str:
     )
 
 
-def typed(name: str) -> str:
-    """A contact's name as a keyboard has it: the dash between two bodies' names as a hyphen."""
-    return name.replace("–", "-")
+def _law_pressure(interface: Interface, gaps: Floats) -> Floats:
+    """The contact pressure −g⁻(z) of gaps z at the points of an interface."""
+    return 0.0 - interface.layer.contact_stress(gaps)
 
 
 def _resampled(interface: Interface, degree: int) -> Interface:
@@ -605,7 +639,7 @@ def _contact_result(
         found.at_points if wavers else pressure,
         interface.unpaired_area,
         interface.gap,
-        meshed.corners,
+        lambda: meshed.corners,
         meshed.body.kinematics.axisymmetric,
         pressure,
         wavers,

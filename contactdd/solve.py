@@ -16,7 +16,6 @@ from typing import ParamSpec
 import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
-from .base.ranks import Ranks
 from .errors import ContactWarning, LayerRangeWarning, NoEquilibriumError, NotConvergedError
 from .hard_contact import HardContact
 from .history import Record
@@ -98,9 +97,9 @@ def solve(
             ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
         max_iterations: The largest number of iterations; after it the run ends with the status "iteration limit".
         start: u_n at the contact points (length), a number or a function of the coordinates x (dim, n), or a `Solution`
-            to go on from. By default the decomposed methods, and all with a given gamma, start from contacts closed by
-            the mean load, the others from undeformed bodies, of which floating ones are moved until their contacts
-            close.
+            to go on from, also one in elements of another degree or on meshes that the scene's were refined from. By
+            default the decomposed methods, and all with a given gamma, start from contacts closed by the mean load, the
+            others from undeformed bodies, of which floating ones are moved until their contacts close.
         previous: u_n of the iterate before the start (length), for the two-point methods; by default the start itself.
         local_solver: "condensed" (each body is condensed once to the displacements at its contacts, by a Schur
             complement; the default up to a size), "assembled" (each body's full matrix is assembled and factored in
@@ -142,7 +141,7 @@ def solve(
         >>> solution.status, round(solution.contact().peak_pressure, 6)
         ('converged', 3.0)
     """
-    ranks = scene.ranks
+    began, ranks = time.process_time(), scene.ranks
     scheme = find_scheme(method)
     check_choice("on_failure", on_failure, ("raise", "return"))
     relaxation = _relaxation(gamma, scheme)
@@ -171,7 +170,7 @@ def solve(
     if file is not None and resume and ranks.once(file.exists):
         run = Run(ensemble, ranks, scheme, step, *read(file, ensemble, scheme.name, ranks))
     else:
-        first = _start(ensemble, ranks, scheme, gamma, start, previous)
+        first = _start(ensemble, scene, scheme, gamma, start, previous)
         run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, step, first)
     writer = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
     with Progress(shown, rule.tolerance, rule.criterion) as bar, writer or nullcontext():
@@ -184,7 +183,10 @@ def solve(
             return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
-    solution = Solution(scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name)
+    spent = time.process_time() - began
+    solution = Solution(
+        scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name, local_solver, spent
+    )
     _warn_of_facets(solution)
     _warn_of_notes(solution)
     if on_failure == "raise" and ending.status not in ("converged", "stopped"):
@@ -274,7 +276,7 @@ def _check_start(start: starts.Given | Solution | None, previous: starts.Given |
 
 def _start(
     ensemble: Ensemble,
-    ranks: Ranks,
+    scene: Scene,
     scheme: Scheme,
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
@@ -282,8 +284,10 @@ def _start(
 ) -> starts.State:
     """The first iterate."""
     if isinstance(start, Solution):
-        state = starts.from_displacements(ensemble, lambda body: start.displacement(body).x.array)
+        bodies = {body.name: body for body in scene.bodies}
+        state = starts.from_displacements(ensemble, lambda name: start.displacement_on(bodies[name]))
         return starts.with_multipliers(state, ensemble, start.multipliers)
+    ranks = scene.ranks
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
     # Contacts without pressure hold no body; only a line search on the energy survives that.

@@ -33,6 +33,7 @@ LEVELS = [
     ["saved"],
     ["solution"],
     ["solve"],
+    ["error_estimate"],
     ["programme"],
 ]
 LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}

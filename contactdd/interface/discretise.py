@@ -155,6 +155,11 @@ class Interface:
         return self.with_layer(layer.decomposed()) if isinstance(layer, HardContact) else self
 
     @property
+    def rule(self) -> Quadrature:
+        """The quadrature rule that tells where the points are."""
+        return next(side.surface.rule for side in self.sides if isinstance(side.surface, ContactSurface))
+
+    @property
     def hard(self) -> bool:
         """Whether the contact has no layer."""
         return isinstance(self.contact.layer, HardContact)
@@ -169,19 +174,24 @@ def without_rounding(distance: Floats, size: float) -> Floats:
 
 
 def discretise(
-    contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None, split: bool = False
+    contact: Contact,
+    bodies: tuple[int, int],
+    facets: NDArray[np.intp] | None = None,
+    split: bool = False,
+    rule: Quadrature | None = None,
 ) -> Interface:
     """The interface of a contact between the bodies of given indices in a scene.
 
     facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
-    split into segments even where they match.
+    split into segments even where they match; rule: another than the contact's own.
     """
-    degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
-    quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
+    if rule is None:
+        degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
+        rule = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     if any(body.mesh is None for body, _ in contact.sides):
-        return _opposite_meshless(contact, bodies, quadrature)
-    first, second = _surfaces(contact, quadrature)
-    if split or quadrature.of_nodes:
+        return _opposite_meshless(contact, bodies, rule)
+    first, second = _surfaces(contact, rule)
+    if split or rule.of_nodes:
         return _on_segments(contact, bodies, first, second)
     matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
     if matched is None:

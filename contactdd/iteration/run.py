@@ -95,7 +95,8 @@ class Run:
         self._ranks, self._linear = ranks, linear
         self._size = max(problem.length for problem in ensemble.problems)
         prescribed = [float(np.abs(t.offset).max(initial=0.0)) for p in ensemble.problems for t in p.traces]
-        self._furthest = ABSURD * (self._size + max(prescribed, default=0.0))
+        self._prescribed = max(prescribed, default=0.0)
+        self._furthest = ABSURD * (self._size + self._prescribed)
         stiffest = ensemble.rigid.stiffness_scale  # and the φ that is as stiff as that
         self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
         self._first_force = 0.0
@@ -126,6 +127,8 @@ class Run:
             reached = f"residual {found.residual:.2e}" + (f", change {last.change:.2e}" if last else "")
             if distance <= 1.0:
                 return self._arrived(f"{reached} after {k} iterations", found)
+            if self._nothing_at_work(found):
+                return self._arrived(f"{reached} after {k} iterations, nothing being at work but rounding", found)
             if distance < PROGRESS * best:
                 best, best_at = distance, k
             elif k - best_at >= rule.patience:
@@ -372,6 +375,17 @@ class Run:
         parts = zip(self.ensemble.problems, self.ensemble.split(self.state.deformation), strict=True)
         elastic = math.hypot(norm(self.ensemble.load), *(p.rigid.stiffness_scale * norm(d) for p, d in parts))
         return found.residual <= SMALL and found.residual * found.scale <= ROUNDING * elastic
+
+    def _nothing_at_work(self, found: Measured) -> bool:
+        """Whether there are no loads, and no other forces than the rounding of what is prescribed would cause.
+
+        So it is where prescribed displacements close no contact: bodies in between then lie where they are.
+        """
+        if self.ensemble.load_size != 0.0:
+            return False
+        stiffest = max(problem.rigid.stiffness_scale for problem in self.ensemble.problems)
+        forces = math.hypot(found.forces.size, norm(found.forces.residual))
+        return self._ranks.agree(forces <= ROUNDING * stiffest * self._prescribed)
 
     def _arrived(self, reason: str, found: Measured) -> Termination:
         """The end of a run that has met its rule.
