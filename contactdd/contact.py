@@ -144,7 +144,7 @@ class Contact:
         Its law is evaluated at more Gauss points; hard contact's pressures stay at nodes.
 
         Args:
-            degrees: By how many degrees the elements are higher.
+            degrees: The number of degrees by which the elements are higher.
         """
         other = copy(self)
         if not isinstance(self.layer, HardContact):

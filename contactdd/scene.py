@@ -182,7 +182,7 @@ class Scene:
         return self.with_bodies(finer)
 
     def body_index(self, body: str | Body) -> int:
-        """The place of a body in the scene.
+        """The index of a body in the scene.
 
         Args:
             body: Its name or the `Body`.
@@ -196,10 +196,10 @@ class Scene:
         raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.bodies)}")
 
     def contact_index(self, contact: str | int | Contact) -> int:
-        """The place of a contact in the scene.
+        """The index of a contact in the scene.
 
         Args:
-            contact: Its name (as typed, "lower-upper", too), its place or the `Contact`.
+            contact: Its name (as typed, "lower-upper", too), its index or the `Contact`.
 
         Raises:
             ValueError: There is no such contact.
@@ -208,7 +208,7 @@ class Scene:
             if contact in (other, index, other.name, _typed(other.name)):
                 return index
         known = ", ".join(repr(_typed(other.name)) for other in self.contacts)
-        raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
+        raise ValueError(f"contact = {contact!r}: expected an index or one of {known}")
 
     def parameter_values(self) -> list[float | Floats]:
         """The present values of all parameters that loads, prescribed displacements and gaps follow."""
@@ -219,7 +219,7 @@ class Scene:
         """A context in which the parameters have values that they had earlier; they are set back after it.
 
         Args:
-            values: As `parameter_values` told them.
+            values: The values, as `parameter_values` gave them.
         """
         present = self.parameter_values()
         parameters = self._parameters

@@ -385,7 +385,7 @@ def _driven(recipe: Recipe, drive: str, supports: list[Any], hold: str, floating
 
 def _rule(recipe: Recipe, bodies: Sequence[cd.Body], matching: bool) -> dict[str, Any]:
     """A quadrature of the contact: others than Gauss' where meshes match, vertices under linear elements."""
-    if not matching or recipe.chance(0.6) or any(body.kinematics.ring for body in bodies):
+    if not matching or recipe.chance(0.6) or any(body.kinematics.axisymmetric for body in bodies):
         return {"quadrature_degree": recipe.count(2, 6)} if recipe.chance(0.15) else {}
     linear = all(body.degree == 1 for body in bodies)
     return {"quadrature": recipe.pick(["facet", "vertex"] if linear else ["facet"])}
