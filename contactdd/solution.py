@@ -90,7 +90,7 @@ class Solution:
         self._ensemble, self._state = ensemble, state
         self._displacements: dict[str, fem.Function] = {}
         if not scene.ranks.alone:
-            _ = self._fields  # while all ranks are here: later some may ask and others not
+            _ = self._fields, self.energy  # while all ranks are here: later some may ask and others not
 
     @property
     def converged(self) -> bool:
@@ -262,7 +262,7 @@ class Solution:
         """J, the energy of all layers; a hard contact has none."""
         return self._ensemble.layer_energy(self._state) - self._penalty_energy
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
         return self._ensemble.energy(self._state) - self._penalty_energy
