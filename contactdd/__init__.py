@@ -16,6 +16,7 @@ from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
 from .contact_result import ContactResult
+from .error_estimate import ContactErrorEstimate, ErrorEstimate, Estimated, error_estimate
 from .errors import (
     CheckpointError,
     ContactError,
@@ -115,6 +116,7 @@ __all__ = [
     "Cone",
     "Contact",
     "ContactError",
+    "ContactErrorEstimate",
     "ContactResult",
     "ContactTrace",
     "ContactWarning",
@@ -123,6 +125,8 @@ __all__ = [
     "DenseSystem",
     "Displacement",
     "ElasticStrip",
+    "ErrorEstimate",
+    "Estimated",
     "ExponentialLayer",
     "FacetedSurface",
     "Fields",
@@ -181,6 +185,7 @@ __all__ = [
     "VaryingLayer",
     "box",
     "compat",
+    "error_estimate",
     "from_dolfinx",
     "from_gmsh",
     "load_solution",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -28,22 +28,31 @@ from .support import Spring, Support
 LARGEST_DEGREE = 15
 
 
+def _flat(values: Iterable[Any]) -> Iterator[Any]:
+    """The values in values and lists of values."""
+    for value in values:
+        if isinstance(value, list | tuple):
+            yield from _flat(value)
+        else:
+            yield value
+
+
 class Body:
     """One elastic body Ω_α, eqs. (1)–(6).
 
     Lengths, stresses and loads are in the user's own consistent set of units.
 
     Args:
-        name: Unique in a scene.
-        mesh: Its mesh with named surfaces.
+        name: The name, unique in a scene.
+        mesh: The mesh with its named surfaces.
         material: Hooke's law (2).
-        supports: A list of supports.
-        loads: A list of loads.
-        degree: Of the Lagrange elements.
+        supports: The supports.
+        loads: The loads.
+        degree: The degree of the Lagrange elements.
         kinematics: "plane strain" (default in the plane), "plane stress", "axisymmetric" (x[0] is the radius r >= 0,
             x[1] the axis; no torsion; energies and forces are those of the full ring) or "solid".
-        local_solver: How this body is solved, whatever the others are: the name of a local solver, or a function of a
-            `LocalTask` that makes a `LocalProblem`; by default what `solve` is asked for.
+        local_solver: The local solver of this body: its name, or a function of a `LocalTask` that makes a
+            `LocalProblem`; by default that of `solve`.
 
     Raises:
         TypeError, ValueError: An argument can be none of these, or names a surface that the mesh does not have.
@@ -93,6 +102,55 @@ class Body:
     def __repr__(self) -> str:
         elements = f"{self.mesh.cells} cells, degree {self.degree}"
         return f"Body({self.name!r}, {elements}, {self.material}, {self.kinematics.name})"
+
+    def with_degree(self, degree: int) -> Body:
+        """The same body in elements of another degree: its mesh, material, supports, loads and local solver are shared.
+
+        Args:
+            degree: The degree of the Lagrange elements.
+
+        Raises:
+            TypeError, ValueError: There are no elements of that degree.
+
+        Example:
+            >>> import contactdd as cd
+            >>> mesh = cd.rectangle((0, 0), (2, 1), (4, 2))
+            >>> cd.Body("block", mesh, cd.Isotropic(E=2.1e5, nu=0.3)).with_degree(2).dofs
+            90
+        """
+        return self._made_anew(self.mesh, degree)
+
+    def on(self, mesh: Mesh) -> Body:
+        """The same body on another mesh, such as a finer one, which has surfaces of the same names.
+
+        Args:
+            mesh: The mesh.
+
+        Raises:
+            ValueError: A surface that supports or loads need is missing, or one of these is a UFL expression, which
+                belongs to the present mesh.
+        """
+        if mesh is not self.mesh:
+            for item in (*self.supports, *self.loads):
+                if any(isinstance(value, ufl.core.expr.Expr) for value in _flat(vars(item).values())):
+                    raise ValueError(
+                        f"body {self.name!r}: its {type(item).__name__} is a UFL expression, which belongs to its "
+                        "mesh; expected a number or a function of the coordinates"
+                    )
+        return self._made_anew(mesh, self.degree)
+
+    def _made_anew(self, mesh: Mesh, degree: int) -> Body:
+        """The same body on another mesh or of another degree, checked as a new one is."""
+        return Body(
+            self.name,
+            mesh,
+            self.material,
+            supports=self.supports,
+            loads=self.loads,
+            degree=degree,
+            kinematics=self.kinematics.name,
+            local_solver=self.local_solver,
+        )
 
     @property
     def space(self) -> fem.FunctionSpace:
@@ -168,7 +226,7 @@ class Body:
 
     @property
     def elastic_metadata(self) -> dict[str, Any] | None:
-        """The quadrature of a(u, v); None leaves it to UFL, which finds what is exact on simplices.
+        """The quadrature of a(u, v); None leaves it to UFL, whose choice is exact on simplices.
 
         On quadrilaterals and hexahedra p + 1 points along each axis are exact where these are parallelograms, and keep
         the elements' accuracy elsewhere; UFL would take many more.

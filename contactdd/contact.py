@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from copy import copy
 from typing import Any
 
@@ -120,6 +120,39 @@ class Contact:
         """
         other = copy(self)
         other.quadrature, other.quadrature_degree = "gauss", degree
+        return other
+
+    def with_bodies(self, bodies: Mapping[str, Body]) -> Contact:
+        """The same contact between other bodies, with surfaces of the same names.
+
+        Args:
+            bodies: The new bodies, by the names of those that they replace.
+
+        Raises:
+            ValueError: A new body does not have the surface, or its facets.
+        """
+        other = copy(self)
+        pairs = [(bodies.get(body.name, body), surface) for body, surface in self.sides]
+        first, second = (
+            _checked_side("bodies", body if isinstance(body, MeshlessBody) else (body, surface))
+            for body, surface in pairs
+        )
+        other.sides = first, second
+        return other
+
+    def raised(self, degrees: int) -> Contact:
+        """The same contact for elements of a higher degree.
+
+        Its law is evaluated at more Gauss points; hard contact's pressures stay at nodes.
+
+        Args:
+            degrees: The number of degrees by which the elements are higher.
+        """
+        other = copy(self)
+        if not isinstance(self.layer, HardContact):
+            other.quadrature = "gauss"
+        if self.quadrature_degree is not None:
+            other.quadrature_degree = self.quadrature_degree + 2 * degrees
         return other
 
     def with_layer(self, layer: Layer | HardContact) -> Contact:

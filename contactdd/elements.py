@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import cache, cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import basix
 import basix.ufl
@@ -20,6 +21,7 @@ from .base.arrays import Floats
 from .base.basis import quadrature_rule
 from .base.facets import facet_type, surface_points
 from .base.isometry import Isometry
+from .base.refinement import values_within
 from .kinematics import Kinematics
 from .mesh import Mesh
 
@@ -36,6 +38,7 @@ class Elements:
 
     def __init__(self, name: str, mesh: Mesh, degree: int, kinematics: Kinematics) -> None:
         self.name, self.mesh, self.degree, self.kinematics = name, mesh, degree, kinematics
+        self._isometries: WeakKeyDictionary[Elements, Isometry | None] = WeakKeyDictionary()
 
     @property
     def domain(self) -> Any:
@@ -69,7 +72,12 @@ class Elements:
 
     def isometry_from(self, other: Elements) -> Isometry | None:
         """The motion or mirror image that takes other elements, numbered alike, to these; None if there is none."""
-        if self.degree != other.degree or self.kinematics != other.kinematics:
+        if other not in self._isometries:
+            self._isometries[other] = self._found_isometry(other)
+        return self._isometries[other]
+
+    def _found_isometry(self, other: Elements) -> Isometry | None:
+        if self.degree != other.degree or self.kinematics is not other.kinematics:
             return None
         isometry = self.mesh.isometry_from(other.mesh)
         same = isometry is not None and np.array_equal(self.space.dofmap.list, other.space.dofmap.list)
@@ -82,6 +90,24 @@ class Elements:
     def coordinates(self, nodes: NDArray[np.int32]) -> Floats:
         """The coordinates x (3, n) of nodes."""
         return self.space.tabulate_dof_coordinates()[nodes].T
+
+    def interpolated(self, u: fem.Function, coarse: Elements) -> Floats | None:
+        """The degrees of freedom (dofs,) of a displacement in other elements, node by node.
+
+        u: in the elements `coarse` on the same mesh or on the one that this was refined from; None for another mesh.
+        """
+        if coarse.mesh is self.mesh:
+            function = fem.Function(self.space)
+            function.interpolate(u)
+            return function.x.array
+        if self.mesh.refined_from is None or self.mesh.refined_from[0] is not coarse.mesh:
+            return None
+        made = self.mesh.refined_from[1]
+        nodal = u.x.array.reshape(-1, self.dim)[coarse.space.dofmap.list[made.parents]]
+        points = self.space.element.basix_element.points
+        values = np.zeros((self.dofs // self.dim, self.dim))
+        values[self.space.dofmap.list] = values_within(coarse.space.element.basix_element, made.corners, points, nodal)
+        return values.ravel()
 
     def over_volume(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
         """∫ integrand dx over the body, the full ring in a body of revolution."""

@@ -18,8 +18,8 @@ class HalfPlane(ElasticSurface):
     """An elastic half-plane, by Flamant's line load; the pressure on it is linear between its nodes.
 
     In the plane the displacement of a half-plane under a force has no limit far away: it is counted from the surface at
-    a distance `reference` from the load, u_n = (2/(π E*)) ∫ p ln(reference / |x − s|) ds. The reference changes how far
-    bodies approach, never the pressures under a given force. There the half-plane is held, moved or loaded.
+    a distance `reference` from the load, ``u_n = (2/(π E*)) ∫ p ln(reference / |x − s|) ds``. The reference changes how
+    far bodies approach, never the pressures under a given force. There the half-plane is held, moved or loaded.
 
     Nodes should be no closer than the points of a mesh that touches them, whose forces would else be needles.
 

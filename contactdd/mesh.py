@@ -18,11 +18,12 @@ from .base.checks import as_count, as_floats, check_choice, finite, listed
 from .base.conformity import hanging_nodes, pieces, ring_edges
 from .base.facets import facet_corners, facet_entities, facet_nodes
 from .base.isometry import Isometry, isometry_between, reflection, translation
+from .base.refinement import Split, split
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
 
-#: The cells of a structured mesh along one axis: how many equal ones, or where they end.
+#: The cells of a structured mesh along one axis: the number of equal ones, or the coordinates of their ends.
 Cells = int | Sequence[float] | NDArray[np.float64]
 
 
@@ -80,7 +81,12 @@ class Mesh:
     @property
     def size(self) -> float:
         """The longest side of the mesh's bounding box."""
-        return float(np.ptp(self.domain.geometry.x, axis=0).max())
+        return float(self.extent.max())
+
+    @cached_property
+    def extent(self) -> NDArray[np.float64]:
+        """The sides of the mesh's bounding box, (dim,) (length)."""
+        return np.ptp(self.domain.geometry.x[:, : self.dim], axis=0)
 
     def facets(self, surface: str) -> NDArray[np.int32]:
         """The facet indices of a named surface, sorted, (facets,).
@@ -141,6 +147,59 @@ class Mesh:
     def _pieces_known(self) -> dict[str, Any]:
         """The cached properties that a mesh of the same cells can take over."""
         return {name: value for name, value in vars(self).items() if name == "piece_of_cell"}
+
+    def refined(self, cells: Sequence[int] | NDArray[Any] | None = None) -> Mesh:
+        """The mesh with smaller cells where they are wanted, and the same named surfaces.
+
+        All edges of the cells are cut in two, and as many of their neighbours as it takes for cells to meet corner to
+        corner. Curved cells are cut along their curves: the body keeps its shape.
+
+        Args:
+            cells: The indices of the cells, or whether each is one, (cells,); by default all.
+
+        Raises:
+            ValueError: The cells are no triangles or tetrahedra, or there are no such cells.
+
+        Example:
+            >>> import contactdd as cd
+            >>> cd.rectangle((0, 0), (1, 1), (2, 2)).refined().refined([0])
+            Mesh(36 triangles; facets left: 4, right: 5, bottom: 5, top: 4)
+        """
+        shape = self.domain.topology.cell_name()
+        if shape not in ("triangle", "tetrahedron"):
+            raise ValueError(
+                f"the mesh is one of {shape}s, which cannot be refined in places; expected triangles or tetrahedra, or "
+                "a new mesh with more cells"
+            )
+        made = split(self.domain, None if cells is None else self._chosen(cells))
+        entities = {name: _descendants(made, pairs) for name, pairs in self._entities.items()}
+        made.domain.topology.create_connectivity(self.dim, self.dim - 1)
+        made.domain.topology.create_connectivity(self.dim - 1, self.dim)
+        of_cell = made.domain.topology.connectivity(self.dim, self.dim - 1).array.reshape(len(made.parents), -1)
+        facets = {name: of_cell[pairs[:, 0], pairs[:, 1]] for name, pairs in entities.items()}
+        order = {name: np.argsort(each) for name, each in facets.items()}
+        surfaces = {name: each[order[name]].astype(np.int32) for name, each in facets.items()}
+        finer = Mesh._sound(
+            made.domain, surfaces, {name: pairs[order[name]] for name, pairs in entities.items()}, self.left_out
+        )
+        vars(finer).update(_split=(self, made))
+        return finer
+
+    @property
+    def refined_from(self) -> tuple[Mesh, Split] | None:
+        """The mesh that this one refines, and how its cells lie in those of that; None if it was made otherwise."""
+        return vars(self).get("_split")
+
+    def _chosen(self, cells: Sequence[int] | NDArray[Any]) -> Integers:
+        """The indices of cells, sorted, that are given by indices or by truth values."""
+        given = np.asarray(cells)
+        wanted = f"indices from 0 to {self.cells - 1}, or truth values of {self.cells} cells"
+        if given.ndim != 1 or given.dtype.kind not in "biu" or (given.dtype.kind == "b" and len(given) != self.cells):
+            raise ValueError(f"cells = {cells!r}: expected {wanted}")
+        chosen = np.flatnonzero(given) if given.dtype.kind == "b" else np.unique(given)
+        if len(chosen) == 0 or chosen[0] < 0 or chosen[-1] >= self.cells:
+            raise ValueError(f"cells = {cells!r}: expected {wanted}")
+        return chosen.astype(np.int32)
 
     def pieces(self) -> list[Mesh]:
         """The pieces that share no node, each a mesh with those of the named surfaces that it has a part of.
@@ -526,6 +585,13 @@ def _refuse_hanging_nodes(domain: dmesh.Mesh) -> None:
             f"mesh: {len(hanging)} hanging nodes, one of them at {at}, lie in the middle of a neighbour's edge; "
             "expected cells that meet corner to corner"
         )
+
+
+def _descendants(made: Split, pairs: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The (cell, local facet) of a finer mesh's facets that lie in facets of the coarser one, given alike."""
+    per_cell = made.facets.shape[1]
+    ours = np.isin(made.parents[:, None] * per_cell + made.facets, pairs[:, 0] * per_cell + pairs[:, 1])
+    return np.argwhere(ours & (made.facets >= 0)).astype(np.int32)
 
 
 def _others(mesh: Mesh, surfaces: Mapping[str, Any]) -> dict[str, str]:

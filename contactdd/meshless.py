@@ -23,7 +23,7 @@ class MeshlessBody(ABC):
     `Kinematics.rigid_modes`: translations, then rotations.
 
     Args:
-        name: Unique in a scene.
+        name: The name, unique in a scene.
         kinematics: As of `Body`: "plane strain", "plane stress", "axisymmetric" or "solid".
 
     Attributes:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from copy import copy
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from mpi4py import MPI
 
-from .base.checks import as_tuple_of, check_choice
+from .base.arrays import Floats
+from .base.checks import as_tuple_of, check_choice, listed
 from .base.ranks import Ranks
 from .body import Body
 from .contact import Contact
@@ -93,6 +97,15 @@ class Scene:
             self._solvers = LocalSolvers(self.bodies, self.interfaces, self.ranks)
         return self._solvers.problems(local_solver)
 
+    def subproblems(self, local_solver: str = "auto") -> list[LocalProblem]:
+        """The old name of `local_problems`.
+
+        Args:
+            local_solver: See there.
+        """
+        warnings.warn("Scene.subproblems is now called local_problems", DeprecationWarning, stacklevel=2)
+        return self.local_problems(local_solver)
+
     def refresh(self) -> None:
         """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.
 
@@ -130,22 +143,112 @@ class Scene:
         other._solvers = None if self._solvers is None else self._solvers.shared()
         return other
 
+    def with_bodies(self, bodies: Mapping[str, Body]) -> Scene:
+        """The same scene with other bodies, such as some of another degree; the others and all contacts stay.
+
+        Args:
+            bodies: The new bodies, by the names of those that they replace.
+
+        Raises:
+            TypeError, ValueError: There is no body of such a name, or the bodies do not fit the contacts.
+        """
+        known = {body.name for body in self.bodies}
+        for name, body in bodies.items():
+            if name not in known:
+                raise ValueError(f"bodies: there is no body {name!r}; expected some of {listed(known)}")
+            if not isinstance(body, Body | MeshlessBody):
+                raise TypeError(f"bodies: {name!r} is {body!r}; expected a body")
+        replaced = [bodies.get(body.name, body) for body in self.bodies]
+        return Scene(replaced, [contact.with_bodies(bodies) for contact in self.contacts], self.ranks.comm)
+
+    def refined(self, cells: Mapping[str, Any] | None = None) -> Scene:
+        """The same scene with finer meshes: the supports, loads and contacts are those of the surfaces' names.
+
+        Args:
+            cells: {body: cells} of the bodies to be refined, as for `Mesh.refined`, None for all cells of a body; by
+                default all cells of all bodies that have a mesh.
+
+        Raises:
+            ValueError: There is no such body, it has no mesh of triangles or tetrahedra, or see `Body.on`.
+        """
+        if cells is None:
+            cells = {body.name: None for body in self.bodies if body.mesh is not None}
+        finer = {}
+        for name, wanted in cells.items():
+            body = self.bodies[self.body_index(name)]
+            if body.mesh is None:
+                raise ValueError(f"body = {name!r}: it has no mesh; expected a body with one")
+            finer[name] = body.on(body.mesh.refined(wanted))
+        return self.with_bodies(finer)
+
+    def body_index(self, body: str | Body) -> int:
+        """The index of a body in the scene.
+
+        Args:
+            body: Its name or the `Body`.
+
+        Raises:
+            ValueError: There is no such body.
+        """
+        for index, other in enumerate(self.bodies):
+            if other is body or other.name == body:
+                return index
+        raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.bodies)}")
+
+    def contact_index(self, contact: str | int | Contact) -> int:
+        """The index of a contact in the scene.
+
+        Args:
+            contact: Its name (as typed, "lower-upper", too), its index or the `Contact`.
+
+        Raises:
+            ValueError: There is no such contact.
+        """
+        for index, other in enumerate(self.contacts):
+            if contact in (other, index, other.name, _typed(other.name)):
+                return index
+        known = ", ".join(repr(_typed(other.name)) for other in self.contacts)
+        raise ValueError(f"contact = {contact!r}: expected an index or one of {known}")
+
+    def parameter_values(self) -> list[float | Floats]:
+        """The present values of all parameters that loads, prescribed displacements and gaps follow."""
+        return [parameter.value for parameter in self._parameters]
+
+    @contextmanager
+    def at(self, values: Sequence[float | Floats]) -> Iterator[None]:
+        """A context in which the parameters have values that they had earlier; they are set back after it.
+
+        Args:
+            values: The values, as `parameter_values` gave them.
+        """
+        present = self.parameter_values()
+        parameters = self._parameters
+        try:
+            for parameter, value in zip(parameters, values, strict=True):
+                parameter.value = value
+            yield
+        finally:
+            for parameter, value in zip(parameters, present, strict=True):
+                parameter.value = value
+
     def follows(self, parameter: Parameter) -> bool:
         """Whether any load, prescribed displacement or gap of the scene follows a parameter.
 
         Args:
             parameter: The parameter in question.
         """
-        return any(parameter is other for other in self._parameters())
+        return any(parameter is other for other in self._parameters)
 
+    @cached_property
     def _parameters(self) -> list[Parameter]:
+        """The parameters that any load, prescribed displacement or gap follows."""
         items: list[Any] = list(self.contacts)
         for body in self.bodies:
             items += (body,) if body.mesh is None else (*body.loads, *body.supports)
         return [parameter for item in items for parameter in parameters(vars(item).values())]
 
     def _parameter_values(self) -> list[bytes]:
-        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters()]
+        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters]
 
     def _check(self) -> None:
         if not self.contacts:
@@ -187,6 +290,11 @@ class Scene:
                         f"{used[key]!r} uses already"
                     )
                 used[key] = contact.name
+
+
+def _typed(name: str) -> str:
+    """A contact's name as a keyboard has it: the dash between two bodies' names as a hyphen."""
+    return name.replace("–", "-")
 
 
 def _may_contradict(supports: Sequence[Support]) -> bool:

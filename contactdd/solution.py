@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,10 +22,11 @@ from .base.arrays import Floats
 from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
-from .contact_result import ContactResult
+from .contact_result import ContactResult, NodalPressure
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
+from .interface.surface import PointSurface
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
 
@@ -56,6 +57,8 @@ class Solution:
         status: "converged", "iteration limit", "stalled", "diverged", "no equilibrium" or "stopped".
         reason: The reason of that, in words.
         method: The scheme's name.
+        local_solver: The local solver that was asked for.
+        cpu_seconds: The CPU time of the solve and of what it made of the scene for the first time (s).
 
     Example:
         >>> import contactdd as cd
@@ -78,12 +81,16 @@ class Solution:
         status: str,
         reason: str,
         method: str,
+        local_solver: str = "auto",
+        cpu_seconds: float = float("nan"),
     ) -> None:
         self.scene, self.history, self.status, self.reason, self.method = scene, history, status, reason, method
+        self.local_solver, self.cpu_seconds = local_solver, cpu_seconds
+        self.parameter_values = scene.parameter_values()
         self._ensemble, self._state = ensemble, state
         self._displacements: dict[str, fem.Function] = {}
         if not scene.ranks.alone:
-            _ = self._fields  # while all ranks are here: later some may ask and others not
+            _ = self._fields, self.energy  # while all ranks are here: later some may ask and others not
 
     @property
     def converged(self) -> bool:
@@ -109,19 +116,32 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        place = self._place(body)
-        name = self.scene.bodies[place].name
-        if self.scene.bodies[place].mesh is None:
-            return self._fields[place].displacement
+        body_index = self._place(body)
+        name = self.scene.bodies[body_index].name
+        if self.scene.bodies[body_index].mesh is None:
+            return self._fields[body_index].displacement
         if name not in self._displacements:
-            function = fem.Function(self.scene.bodies[place].space, name="displacement")
-            function.x.array[:] = self._fields[place].displacement
+            function = fem.Function(self.scene.bodies[body_index].space, name="displacement")
+            function.x.array[:] = self._fields[body_index].displacement
             self._displacements[name] = function
         return self._displacements[name]
 
-    def _degrees_of_freedom(self, body: str | Body) -> Floats:
-        """The displacement (dofs,) of a body, with a mesh or without."""
-        return self._fields[self._place(body)].displacement
+    def displacement_on(self, body: Body) -> Floats:
+        """The displacement (dofs,) of the body of the same name in the elements of another, to go on from (length).
+
+        Args:
+            body: A body on the same mesh, or on one refined from it, in elements of any degree, or numbered alike.
+
+        Raises:
+            ValueError: The scene has no body of that name.
+        """
+        own = self.scene.bodies[self._place(body.name)]
+        u = self.displacement(own)
+        if body.mesh is None or own.mesh is None:
+            return u if own.mesh is None else u.x.array
+        same = own.mesh is body.mesh and own.degree == body.degree
+        carried = None if same else body.elements.interpolated(u, own.elements)
+        return u.x.array if carried is None else carried
 
     def contact(self, contact: str | int | Contact = 0, *, degree: int | None = None) -> ContactResult:
         """The pressure, gap and compression of a contact at its points.
@@ -136,18 +156,36 @@ class Solution:
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._gaps[index]
         pressure, gathered = self._pressure(index), interface.gathered
-        ratio = 0.0 if interface.hard else _stiffness_ratio(interface, gaps, pressure)
-        wavers = ratio > STIFF and interface.unlike
+        stiffness_ratio = partial(_stiffness_ratio, interface, gaps, pressure)
+        wavers = interface.unlike and stiffness_ratio() > STIFF
         if degree is not None:
             if not any(body.mesh for body, _ in interface.contact.sides):
                 raise ValueError(f"degree = {degree!r}: neither body of the contact has facets; expected None")
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
             if gathered is None:
-                pressure = 0.0 - interface.layer.contact_stress(gaps)
+                pressure = _law_pressure(interface, gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
-        return _contact_result(interface, gaps, pressure, ratio, wavers)
+        return _contact_result(interface, gaps, pressure, stiffness_ratio, wavers)
+
+    def contact_at(self, other: Interface) -> tuple[Floats, Floats]:
+        """The gap (length) and the contact pressure (stress), (points,) each, at the points of the same contact as it
+        was discretised for another solution, on the same meshes in elements of another degree.
+
+        Args:
+            other: That solution's interface.
+        """
+        index = self.scene.contact_index(other.contact.name)
+        interface = self.interfaces[index]
+        places = other.sides[0].body, other.sides[1].body
+        seen = discretise(interface.contact, places, other.facets, other.gathered is not None, other.rule)
+        if seen.x.shape != other.x.shape or np.abs(seen.x - other.x).max() > 1e-9 * np.abs(other.x).max():
+            raise RuntimeError(f"contact {other.contact.name!r}: its points are others in elements of another degree")
+        if interface.hard:  # the pressures of nodes, which are the same
+            return self._gaps[index], self._pressure(index)
+        gaps = seen.gap - self._closed(seen)
+        return gaps, _law_pressure(seen, gaps)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -226,14 +264,14 @@ class Solution:
         """J, the energy of all layers; a hard contact has none."""
         return self._ensemble.layer_energy(self._state) - self._penalty_energy
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
         return self._ensemble.energy(self._state) - self._penalty_energy
 
     @property
     def _penalty_energy(self) -> float:
-        """What the augmented Lagrangian counts as the energy of hard contacts."""
+        """The energy of hard contacts in the augmented Lagrangian."""
         contacts = zip(self.interfaces, self._state.gaps, strict=True)
         return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
@@ -250,7 +288,7 @@ class Solution:
 
     def _pressure(self, index: int) -> Floats:
         """The contact pressure at the points of an interface."""
-        return 0.0 - self.interfaces[index].layer.contact_stress(self._state.gaps[index])
+        return _law_pressure(self.interfaces[index], self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
         """The six stresses of a body, a dolfinx function, in the order xx, yy, zz, yz, xz, xy.
@@ -285,14 +323,14 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        place = self._place(body)
-        parts = self._nodal_forces(place)
-        return {name: self._ensemble.problems[place].dofs.resultant(forces) for name, forces in parts.items()}
+        body_index = self._place(body)
+        parts = self._nodal_forces(body_index)
+        return {name: self._ensemble.problems[body_index].dofs.resultant(forces) for name, forces in parts.items()}
 
-    def _nodal_forces(self, place: int) -> dict[str, Floats]:
+    def _nodal_forces(self, body_index: int) -> dict[str, Floats]:
         """The forces on a body at all its degrees of freedom, (dofs,) each."""
-        problem = self._ensemble.problems[place]
-        loads, contact, fields = problem.dofs.load, self._contact_load(place), self._fields[place]
+        problem = self._ensemble.problems[body_index]
+        loads, contact, fields = problem.dofs.load, self._contact_load(body_index), self._fields[body_index]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
         supports = problem.dofs.reactions(supports) - fields.spring_forces
@@ -306,8 +344,11 @@ class Solution:
         its resultant is rounding.
         """
         sums, sizes = [0.0], [0.0]
-        for place, body in enumerate(self.scene.bodies):
-            forces, resultant = self._nodal_forces(place).values(), self._ensemble.problems[place].dofs.resultant
+        for body_index, body in enumerate(self.scene.bodies):
+            forces, resultant = (
+                self._nodal_forces(body_index).values(),
+                self._ensemble.problems[body_index].dofs.resultant,
+            )
             sums.append(float(np.linalg.norm(resultant(np.sum(list(forces), axis=0)))))
             for force in forces:
                 vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
@@ -323,8 +364,8 @@ class Solution:
         the residual is ‖F₁'(u)‖ itself.
         """
         total = contacts = 0.0
-        for place, problem in enumerate(self._ensemble.problems):
-            contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
+        for i, problem in enumerate(self._ensemble.problems):
+            contact, elastic = self._contact_load(i), self._fields[i].elastic_forces
             total += float(np.sum(problem.dofs.free_forces(problem.dofs.load + contact - elastic) ** 2))
             contacts += float(np.sum(problem.dofs.free_forces(contact) ** 2))
         scale = self._ensemble.at_work(float(np.sqrt(contacts)))
@@ -506,9 +547,9 @@ class Solution:
         """The bodies' solutions, recovered from the condensed unknowns when first asked for."""
         ensemble, state = self._ensemble, self._state
 
-        def of(place: int) -> Fields:
-            part = ensemble.parts[place]
-            return ensemble.problems[place].fields(state.unknowns[part], state.deformation[part])
+        def of(body_index: int) -> Fields:
+            part = ensemble.parts[body_index]
+            return ensemble.problems[body_index].fields(state.unknowns[part], state.deformation[part])
 
         return self._settled(self.scene.ranks.each(of))
 
@@ -537,9 +578,9 @@ class Solution:
             told = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
         return told[0] + told[1]
 
-    def _contact_load(self, place: int) -> Floats:
+    def _contact_load(self, body_index: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
-        problem = self._ensemble.problems[place]
+        problem = self._ensemble.problems[body_index]
         tractions = self._ensemble.by_interface(self._ensemble.tractions(self._state))
         total = np.zeros_like(problem.dofs.load)
         for port in problem.traces:
@@ -547,21 +588,14 @@ class Solution:
         return total
 
     def _place(self, body: str | Body) -> int:
-        for place, other in enumerate(self.scene.bodies):
-            if other is body or other.name == body:
-                return place
-        raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.scene.bodies)}")
+        return self.scene.body_index(body)
 
     def _contact_index(self, contact: str | int | Contact) -> int:
-        for index, other in enumerate(self.scene.contacts):
-            if contact in (other, index, other.name, typed(other.name)):
-                return index
-        known = ", ".join(repr(typed(other.name)) for other in self.scene.contacts)
-        raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
+        return self.scene.contact_index(contact)
 
 
 def _passed(interface: Interface, gaps: Floats) -> str:
-    """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
+    """The note on a contact whose layer is compressed beyond the limit of its law; empty if there is none."""
     contact, limit = interface.contact, interface.layer.compression_limit
     if limit is math.inf:
         return ""
@@ -577,9 +611,9 @@ def _passed(interface: Interface, gaps: Floats) -> str:
     )
 
 
-def typed(name: str) -> str:
-    """A contact's name as a keyboard has it: the dash between two bodies' names as a hyphen."""
-    return name.replace("–", "-")
+def _law_pressure(interface: Interface, gaps: Floats) -> Floats:
+    """The contact pressure −g⁻(z) of gaps z at the points of an interface."""
+    return 0.0 - interface.layer.contact_stress(gaps)
 
 
 def _resampled(interface: Interface, degree: int) -> Interface:
@@ -589,38 +623,50 @@ def _resampled(interface: Interface, degree: int) -> Interface:
     return discretise(contact, (first.body, second.body), interface.facets, split)
 
 
-def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio: float, wavers: bool) -> ContactResult:
-    """The result at an interface's points; ratio: k h/E of the layer where it presses; wavers: whether its pressure
-    does."""
-    corners = [side.surface.corners for side in interface.sides if side.surface.corners is not None]
-    if interface.gathered is None:
-        nodal = interface.functions.projected(pressure, interface.weights)
-        node_x, projected = interface.functions.x, interface.functions.at_values @ nodal
-    else:
-        node_x, projected, nodal = interface.x, pressure, pressure
+def _corners(interface: Interface) -> Any:
+    """What tells the corners of facets: those of the meshed surface, or between the points of a body without a mesh."""
+    surfaces = [side.surface for side in interface.sides]
+    meshed = next((surface for surface in surfaces if not isinstance(surface, PointSurface)), None)
+    if meshed is not None:
+        return lambda: meshed.corners
+    return next((surface.corners for surface in surfaces if surface.corners is not None), None)
+
+
+def _contact_result(
+    interface: Interface, gaps: Floats, pressure: Floats, stiffness_ratio: Callable[[], float], wavers: bool
+) -> ContactResult:
+    """The result at an interface's points; wavers: whether its pressure does."""
+
+    def nodal() -> NodalPressure:
+        if interface.gathered is None:
+            values = interface.functions.projected(pressure, interface.weights)
+            at_points = interface.functions.at_values @ values
+            return NodalPressure(interface.functions.x, values, at_points, stiffness_ratio())
+        return NodalPressure(interface.x, pressure, pressure, stiffness_ratio())
+
+    found: Any = nodal() if wavers else nodal
     return ContactResult(
         interface.x,
         interface.normal,
         interface.weights,
         gaps,
         np.minimum(gaps, 0.0),
-        projected if wavers else pressure,
-        interface.unmatched,
+        found.at_points if wavers else pressure,
+        interface.unpaired_area,
         interface.gap,
-        corners[0] if corners else None,
+        _corners(interface),
         interface.contact.sides[0][0].kinematics.axisymmetric,
         pressure,
-        projected,
-        node_x,
-        nodal,
-        ratio,
         wavers,
         interface.hard,
+        found,
     )
 
 
 def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> float:
-    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
+    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets; 0 without a layer."""
+    if interface.hard:
+        return 0.0
     pressing = pressure > 0.0
     shares = interface.weights[pressing] * pressure[pressing]
     stiffness = interface.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary

@@ -42,7 +42,9 @@ LEVELS = [
     ["iteration"],
     ["saved"],
     ["solution"],
+    ["doubts"],
     ["solve"],
+    ["error_estimate"],
     ["programme"],
 ]
 LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}

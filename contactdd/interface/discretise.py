@@ -1,4 +1,4 @@
-"""A discretised contact: the points of S_αβ with their weights and gaps, and how both bodies are seen from them."""
+"""A discretised contact: the points of S_αβ with weights and gaps, and u_n of both bodies there."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from .trace import normal_trace
 
 @dataclass(frozen=True)
 class InterfaceSide:
-    """A body seen from the n points of an interface.
+    """One body's side of an interface of n points.
 
-    body: its place in the scene; trace: (n, dofs) from its displacement to u_n at the points; transfer: from values
-    at the interface's points to the integration points of the body's own surface, where its Robin term lives.
+    body: its index in the scene; trace: (n, dofs) from its displacement to u_n at the points; transfer: from values
+    at the interface's points to the integration points of the body's own surface, for its Robin term.
     """
 
     body: int
@@ -51,8 +51,11 @@ class InterfaceSide:
 
 @dataclass(frozen=True)
 class PrescribedGap:
-    """Where a given gap is evaluated, points (m, dim), and how the values at an interface follow, mean (n, m), None if
-    they are the same; part: how much of it lies on this side of the contact."""
+    """The evaluation of a prescribed gap.
+
+    points: (m, dim) where it is evaluated; mean: (n, m) from these values to those at an interface, None if they are
+    the same; part: how much of it lies on this side of the contact.
+    """
 
     points: Floats
     mean: scipy.sparse.csr_matrix | None
@@ -67,26 +70,27 @@ class PrescribedGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's, or the
-    nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found
-    from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal: makes the linear
-    functions of one surface's nodes; unmatched: the area of either surface that has no partner; facets: on meshes that
-    match, the second surface's opposite each of the first's; gathered: (nodes, n) which point's value each node of a
-    surface takes, None where the points are no nodes; doubt: (n,) by how much `measured` may be off where the facets do
-    not tell what surface is meant, None if they do; layer: the contact's law at the points, a hard contact's
-    `AugmentedLayer`. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    x: (n, dim) coordinates on the first surface, the smooth one behind its facets if they do not match the second's, or
+    the nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; geometric_gap: (n,) the part of
+    the initial gap d found from the meshes; prescribed_gap: (n,) the part prescribed by the user; prescription: how to
+    evaluate that part again; sides: both bodies; nodal: makes the linear functions of one surface's nodes;
+    unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second surface's
+    opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
+    points are no nodes; doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is
+    meant, None if they do not; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact
+    integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
     x: Floats
     normal: Floats
     weights: Floats
-    measured: Floats
-    shape: Floats
-    given: PrescribedGap
+    geometric_gap: Floats
+    prescribed_gap: Floats
+    prescription: PrescribedGap
     sides: tuple[InterfaceSide, InterfaceSide]
     nodal: Callable[[], LinearFunctions]
-    unmatched: tuple[float, float] = (0.0, 0.0)
+    unpaired_area: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
     doubt: Floats | None = None
@@ -144,12 +148,12 @@ class Interface:
 
     @cached_property
     def gap(self) -> Floats:
-        """d at the points, (n,), counted from where the layer begins."""
-        return self.measured + self.shape - self.layer.clearance
+        """The initial gap d at the points, (n,), less the layer's clearance."""
+        return self.geometric_gap + self.prescribed_gap - self.layer.clearance
 
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
-        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap))
+        return replace(self, contact=contact.frozen(), prescribed_gap=self.prescription.at(contact.gap))
 
     def with_layer(self, layer: Layer | HardContact) -> Interface:
         """The same interface with the law of another layer."""
@@ -159,6 +163,11 @@ class Interface:
         """The same interface for decomposed methods, which solve hard contacts more softly."""
         layer = self.contact.layer
         return self.with_layer(layer.decomposed()) if isinstance(layer, HardContact) else self
+
+    @property
+    def rule(self) -> Quadrature:
+        """The quadrature rule that tells where the points are."""
+        return next(side.surface.rule for side in self.sides if isinstance(side.surface, ContactSurface))
 
     @property
     def hard(self) -> bool:
@@ -175,21 +184,26 @@ def without_rounding(distance: Floats, size: float) -> Floats:
 
 
 def discretise(
-    contact: Contact, bodies: tuple[int, int], facets: NDArray[np.intp] | None = None, split: bool = False
+    contact: Contact,
+    bodies: tuple[int, int],
+    facets: NDArray[np.intp] | None = None,
+    split: bool = False,
+    rule: Quadrature | None = None,
 ) -> Interface:
-    """The interface of a contact between the bodies at the given places of a scene.
+    """The interface of a contact between the bodies of given indices in a scene.
 
     facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
-    split into segments even where they match.
+    split into segments even where they match; rule: another than the contact's own.
     """
     if all(body.mesh is None for body, _ in contact.sides):
         return _between_meshless(contact, bodies)
-    degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
-    quadrature = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
+    if rule is None:
+        degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
+        rule = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
     if any(body.mesh is None for body, _ in contact.sides):
-        return _opposite_meshless(contact, bodies, quadrature)
-    first, second = _surfaces(contact, quadrature)
-    if split or quadrature.of_nodes:
+        return _opposite_meshless(contact, bodies, rule)
+    first, second = _surfaces(contact, rule)
+    if split or rule.of_nodes:
         return _on_segments(contact, bodies, first, second)
     matched = matching(first, second, contact.reach) if facets is None else matching_on(first, second, facets)
     if matched is None:
@@ -360,7 +374,7 @@ def _operator(values: Any, points: int) -> scipy.sparse.csr_matrix:
 
 
 def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
-    """What a body without a mesh says of some points, refused unless it is finite numbers for each."""
+    """The values of a body without a mesh at points, refused unless they are finite numbers for each."""
     array = as_floats(name, values, f"finite numbers of {points} points")
     if array.ndim != dimensions or len(array) != points or not np.all(np.isfinite(array)):
         raise ValueError(f"{name} of shape {array.shape}: expected finite numbers of {points} points")
@@ -398,14 +412,14 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
     shape = given.at(contact.gap)
     sides = tuple(
         InterfaceSide(
-            bodies[place],
+            bodies[index],
             surface,
-            (values @ _trace(surface, partners, place, sign)).tocsr(),
-            _facet_means(surface, partners.facets[place], partners.weights, sampling.spread),
+            (values @ _trace(surface, partners, index, sign)).tocsr(),
+            _facet_means(surface, partners.facets[index], partners.weights, sampling.spread),
         )
-        for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
+        for index, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
     )
-    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate(surfaces))
+    unpaired = tuple(_unpaired_area(surface, partners, index) for index, surface in enumerate(surfaces))
     return Interface(
         contact.frozen(),
         values @ x if sampling.nodes is None else node_coordinates(surfaces[nodal()])[sampling.nodes],
@@ -416,16 +430,16 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         given,
         (sides[0], sides[1]),
         lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
-        (unmatched[0], unmatched[1]),
+        (unpaired[0], unpaired[1]),
         gathered=sampling.gathered,
         doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
 
 
-def _trace(surface: ContactSurface, partners: PointPairs, place: int, sign: float) -> scipy.sparse.csr_matrix:
+def _trace(surface: ContactSurface, partners: PointPairs, side_index: int, sign: float) -> scipy.sparse.csr_matrix:
     """The normal displacement of one side, outwards, at the points, (n, dofs)."""
-    trace = normal_trace(surface.body.space, partners.points[place], sign * partners.normal)
-    smooth = partners.smooth[place]
+    trace = normal_trace(surface.body.space, partners.points[side_index], sign * partners.normal)
+    smooth = partners.smooth[side_index]
     stretch = None if smooth is None else smooth.stretch_trace()
     return trace if stretch is None else trace + stretch
 
@@ -455,8 +469,8 @@ def _facet_means(
     return total[np.repeat(np.arange(count), surface.per_facet)]
 
 
-def _unmatched(surface: ContactSurface, partners: PointPairs, place: int) -> float:
+def _unpaired_area(surface: ContactSurface, partners: PointPairs, side_index: int) -> float:
     """The area of a surface that has no partner."""
-    bare = np.maximum(surface.facet_areas - partners.covered(place, len(surface.facets)), 0.0)
+    bare = np.maximum(surface.facet_areas - partners.covered(side_index, len(surface.facets)), 0.0)
     area, total = float(bare.sum()), float(surface.facet_areas.sum())
-    return area if area > 1e-6 * total else 0.0  # less is what seams between curved facets leave
+    return area if area > 1e-6 * total else 0.0  # smaller areas are artefacts of seams between curved facets

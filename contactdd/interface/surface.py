@@ -52,7 +52,7 @@ class ContactSurface:
         return other
 
     def spread(self, order: NDArray[np.intp] | None = None) -> Gather:
-        """To the integration points from the values, or from values whose `order` tells where each of these stands."""
+        """The operator from values, in their own order or at the positions `order`, to the integration points."""
         values = np.arange(len(self.weights)) // self.per_value
         return Gather(values if order is None else order[values], len(values) // self.per_value)
 
@@ -81,7 +81,7 @@ class ContactSurface:
 
     @cached_property
     def facet_sizes(self) -> Floats:
-        """How long each facet is, the root of its area in space, (facets,)."""
+        """The length of each facet, in space the root of its area, (facets,)."""
         areas = self.areas.reshape(len(self.facets), -1).sum(axis=1)
         return areas if self.body.mesh.dim == 2 else np.sqrt(areas)
 

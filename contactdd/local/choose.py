@@ -119,7 +119,7 @@ class LocalSolvers:
         return other
 
     def _kind(self, body: Any, local_solver: str) -> str:
-        """The name under which a body's problem is kept; what a body brings itself has precedence."""
+        """The name under which a body's problem is kept; a body's own local solver has precedence."""
         if body.mesh is None or callable(body.local_solver):
             return OWN
         name = body.local_solver or local_solver
@@ -133,9 +133,9 @@ class LocalSolvers:
         return self._problems[kind, index]
 
     def _dealt_out(self, kinds: Sequence[str]) -> list[LocalProblem]:
-        """The problems of the bodies that this rank holds, and of the others what their owners share.
+        """The problems of the bodies that this rank holds, and of the others the shared parts.
 
-        What a body brings itself is small, and is made by every rank.
+        A body's own local problem is small, and is made by every rank.
         """
         ranks = self._ranks
         missing = any((kind, index) not in self._problems for index, kind in enumerate(kinds))
@@ -150,7 +150,7 @@ class LocalSolvers:
         return [self._problem(kind, index) for index, kind in enumerate(kinds)]
 
     def _task(self, kind: str, index: int) -> LocalTask:
-        """What the local solver of a body is given."""
+        """The task of a body's local solver."""
         body, ranks = self._bodies[index], self._ranks
         task = LocalTask(body, self._sides[index], None if body.mesh is None else self._discrete_body(index))
         if not ranks.alone and ranks.owns(index):
@@ -174,7 +174,7 @@ class LocalSolvers:
                 yield other, signs * copied[1]
 
     def _discrete_body(self, index: int) -> DiscreteBody:
-        """One body without its contacts, made when first asked for; a copy takes over what its original has."""
+        """One body without its contacts, made when first asked for; a copy takes over its original's matrices."""
         if index not in self._discrete:
             found = self._originals[index]
             original = None if found is None or found[0] not in self._discrete else (self._discrete[found[0]], found[1])

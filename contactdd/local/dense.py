@@ -80,7 +80,7 @@ class DenseSystem:
 
     @cached_property
     def _robin(self) -> list[tuple[Indices, scipy.sparse.csr_matrix]]:
-        """Where the Robin terms stand in the matrix, and the operators from φ to their entries."""
+        """The positions of the Robin terms in the matrix, and the operators from φ to their entries."""
         maps = [product_map(trace.robin_trace, trace.side.surface.weights) for trace in self.traces]
         return [(at, (m @ trace.side.transfer).tocsr()) for trace, (at, m) in zip(self.traces, maps, strict=True)]
 
