@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -323,7 +324,7 @@ def tower(count: int, apart: float, shift: float = 0.0) -> cd.Scene:
         mesh = cd.rectangle((shift * i, floor), (shift * i + 1, floor + 0.5), (4 + i % 3, 2))
         bodies.append(cd.Body(f"block {i}", mesh, cd.Isotropic(1e4, 0.2), loads=[cd.BodyForce([0.0, -1.0])]))
         floor += 0.5 + apart
-    pairs = zip(bodies[:-1], bodies[1:], strict=True)
+    pairs = pairwise(bodies)
     return cd.Scene(bodies, [cd.Contact((low, "top"), (high, "bottom"), cd.LinearLayer(1e3), search_distance=1.0)
                              for low, high in pairs])  # fmt: skip
 
@@ -378,9 +379,9 @@ def press_fit(cells: tuple[int, int]) -> cd.Scene:
 
 def pin_in_hole(order: int) -> cd.Scene:
     """A pin that lies in a larger hole under its own weight: nothing but the facets hold its rotation."""
-    supports, loads = [[], [cd.Fixed("outer")]], [[cd.BodyForce([0.0, -100.0])], []]
-    pin, hole = (cd.Body(name, mesh, STEEL, supports=held, loads=pulled, degree=order)
-                 for name, mesh, held, pulled in zip(("pin", "hole"), circles(order), supports, loads, strict=True))  # fmt: skip
+    disc, ring = circles(order)
+    pin = cd.Body("pin", disc, STEEL, loads=[cd.BodyForce([0.0, -100.0])], degree=order)
+    hole = cd.Body("hole", ring, STEEL, supports=[cd.Fixed("outer")], degree=order)
     return cd.Scene([pin, hole], [cd.Contact((pin, "face"), (hole, "face"), cd.LinearLayer(1e5))])
 
 
