@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0"
 
+from .adaptation import Adaptation, Round, adapt
 from .base import compat
 from .body import Body
 from .body_result import BodyResult
@@ -78,6 +79,7 @@ _LAWS = {
 __all__ = [
     "LOCAL_SOLVERS",
     "SCHEMES",
+    "Adaptation",
     "Anisotropic",
     "Body",
     "BodyForce",
@@ -125,6 +127,7 @@ __all__ = [
     "Record",
     "ReducedProblem",
     "Resultant",
+    "Round",
     "SavedSolution",
     "Scene",
     "Scheme",
@@ -137,6 +140,7 @@ __all__ = [
     "TableLayer",
     "Traction",
     "VaryingLayer",
+    "adapt",
     "box",
     "compat",
     "error_estimate",

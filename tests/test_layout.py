@@ -34,6 +34,7 @@ LEVELS = [
     ["solution"],
     ["solve"],
     ["error_estimate"],
+    ["adaptation"],
     ["programme"],
 ]
 LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}

@@ -72,7 +72,7 @@ def _corners(domain: dmesh.Mesh, fine: dmesh.Mesh, parents: Integers) -> Floats:
 def _straightened(domain: dmesh.Mesh) -> tuple[dmesh.Mesh, Integers]:
     """The mesh of the corners of curved cells, and which of these each of its cells is."""
     element = compat.coordinate_map(domain)
-    corners = len(basix.geometry(element.cell_type))
+    corners = len(np.asarray(basix.geometry(element.cell_type)))
     nodes, cells = np.unique(compat.geometry_dofmap(domain)[:, :corners], return_inverse=True)
     x = domain.geometry.x[nodes, : domain.topology.dim]
     made = compat.from_arrays(
