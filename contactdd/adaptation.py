@@ -16,9 +16,11 @@ from dolfinx import fem
 from .base import compat
 from .base.arrays import Floats, Integers
 from .base.checks import as_count, check_choice, positive
+from .body import Body
 from .error_estimate import ErrorEstimate, error_estimate
 from .errors import ContactWarning
 from .interface.surface import ContactSurface
+from .meshless import MeshlessBody
 from .scene import Scene
 from .solution import Solution
 from .solve import solve
@@ -83,9 +85,7 @@ class Adaptation:
 
     def __repr__(self) -> str:
         head = f"Adaptation: {self.status}, pressure {self.rounds[-1].error:.2g} of {self.accuracy:.2g} asked for"
-        rows = [
-            f"{each.unknowns:>9d} unknowns  error {each.error:.3e}  {each.cpu_seconds:.3g} s" for each in self.rounds
-        ]
+        rows = (f"{r.unknowns:>9d} unknowns  error {r.error:.3e}  {r.cpu_seconds:.3g} s" for r in self.rounds)
         return "\n  ".join([head, *rows])
 
 
@@ -135,6 +135,8 @@ def adapt(
     longest = np.inf if time_limit is None else positive("time_limit", time_limit)
     most_rounds = as_count("max_rounds", max_rounds)
     check_choice("on_failure", on_failure, ("warn", "ignore"))
+    for body in scene.bodies:
+        _refuse_what_stays(body)
     began, cpu, rounds, status = time.monotonic(), time.process_time(), [], ""
     start: Solution | None = None
     while True:
@@ -164,6 +166,13 @@ def adapt(
     return Adaptation(estimate, tuple(rounds), wanted, status)
 
 
+def _refuse_what_stays(body: Body | MeshlessBody) -> None:
+    """Refuse a body whose mesh cannot be refined, or that cannot be put on another one."""
+    if isinstance(body, Body):
+        body.mesh.refuse_other_than_simplices()
+        body.refuse_expressions()
+
+
 def _round(estimate: ErrorEstimate, seconds: float) -> Round:
     scene = estimate.solution.scene
     cells = {body.name: body.mesh.cells for body in scene.bodies if body.mesh is not None}
@@ -186,7 +195,7 @@ def _marked(estimate: ErrorEstimate) -> dict[str, Integers]:
     bodies = estimate.solution.scene.bodies
     chosen: list[set[int]] = [set() for _ in bodies]
     facets = _facet_errors(estimate)
-    for (place, cell), keep in zip(facets, _largest([e for e in facets.values()], PRESSURE_SHARE), strict=True):
+    for (place, cell), keep in zip(facets, _largest(list(facets.values()), PRESSURE_SHARE), strict=True):
         if keep:
             chosen[place].add(cell)
     energies = [
@@ -225,10 +234,8 @@ def _facet_errors(estimate: ErrorEstimate) -> dict[tuple[int, int], float]:
 
 def _cell_energies(estimate: ErrorEstimate, place: int) -> Floats:
     """∫ σ(e) : ε(e) over every cell of a body, (cells,), e the displacement's estimated error."""
-    body, error = (
-        estimate.better.scene.bodies[place],
-        estimate.displacement_error(estimate.solution.scene.bodies[place]),
-    )
+    body = estimate.better.scene.bodies[place]
+    error = estimate.displacement_error(body.name)
     element = basix.ufl.element("DG", body.mesh.domain.topology.cell_name(), 0)
     cellwise = ufl.TestFunction(fem.functionspace(body.mesh.domain, element))
     density = ufl.inner(body.stress(error), body.kinematics.strain(error))
