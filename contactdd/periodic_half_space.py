@@ -20,9 +20,9 @@ class PeriodicHalfSpace(HalfSpace):
     """An elastic half-space under pressures that repeat themselves along both sides of a grid.
 
     A pressure cos k·x moves it by ``2 cos k·x / (E* |k|)``. No matrix is stored: 512 × 512 points are no trouble, such
-    as rough surfaces have, whose heights are a contact's gap. A uniform pressure moves the surface without limit: its mean
-    is counted from points at a depth `reference`, as of `PeriodicHalfPlane`, where the half-space is held, moved or
-    loaded. Partners without a mesh have to lie, or repeat themselves, above the grid.
+    as rough surfaces have, whose heights are a contact's gap. A uniform pressure moves the surface without limit: its
+    mean is counted from points at a depth `reference`, as of `PeriodicHalfPlane`, where the half-space is held, moved
+    or loaded. Partners without a mesh have to lie, or repeat themselves, above the grid.
 
     Args:
         name: Unique in a scene.
