@@ -54,6 +54,8 @@ from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from . import reference
+    from .half_plane import HalfPlane
+    from .half_space import AxisymmetricHalfSpace, HalfSpace
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
     from .layers.hyperbolic import HyperbolicLayer
@@ -62,6 +64,33 @@ if TYPE_CHECKING:
     from .layers.series import SeriesLayer
     from .layers.table import TableLayer
     from .layers.varying import VaryingLayer
+    from .mirror_plane import MirrorPlane
+    from .periodic import ElasticStrip, PeriodicHalfPlane
+    from .periodic_half_space import PeriodicHalfSpace
+    from .rigid_body import RigidBody
+    from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
+    from .shapes.faceted import FacetedSurface
+
+#: Where the bodies without a mesh are, and the shapes of rigid ones: imported when first asked for.
+_PARTNERS = {
+    "AxisymmetricHalfSpace": "half_space",
+    "Cone": "shapes",
+    "Cylinder": "shapes",
+    "ElasticStrip": "periodic",
+    "FacetedSurface": "shapes.faceted",
+    "FlatPunch": "shapes",
+    "HalfPlane": "half_plane",
+    "HalfSpace": "half_space",
+    "LevelSet": "shapes",
+    "MirrorPlane": "mirror_plane",
+    "PeriodicHalfPlane": "periodic",
+    "PeriodicHalfSpace": "periodic_half_space",
+    "Plane": "shapes",
+    "Profile": "shapes",
+    "RigidBody": "rigid_body",
+    "Shape": "shapes",
+    "Sphere": "shapes",
+}
 
 #: Where the layer laws are that most scenes don't use: imported when first asked for.
 _LAWS = {
@@ -81,10 +110,12 @@ __all__ = [
     "SCHEMES",
     "Adaptation",
     "Anisotropic",
+    "AxisymmetricHalfSpace",
     "Body",
     "BodyForce",
     "BodyResult",
     "CheckpointError",
+    "Cone",
     "Contact",
     "ContactError",
     "ContactErrorEstimate",
@@ -92,14 +123,20 @@ __all__ = [
     "ContactTrace",
     "ContactWarning",
     "CustomLayer",
+    "Cylinder",
     "DenseSystem",
     "Displacement",
+    "ElasticStrip",
     "ErrorEstimate",
     "Estimated",
     "ExponentialLayer",
+    "FacetedSurface",
     "Fields",
     "Fixed",
+    "FlatPunch",
     "GreenwoodWilliamsonLayer",
+    "HalfPlane",
+    "HalfSpace",
     "HardContact",
     "History",
     "HyperbolicLayer",
@@ -107,6 +144,7 @@ __all__ = [
     "LargeStrainWarning",
     "Layer",
     "LayerRangeWarning",
+    "LevelSet",
     "LinearLayer",
     "LoadPath",
     "LocalProblem",
@@ -117,22 +155,30 @@ __all__ = [
     "Mesh",
     "MeshMismatchError",
     "MeshlessBody",
+    "MirrorPlane",
     "NoEquilibriumError",
     "NotConvergedError",
     "Orthotropic",
     "OverclosureLayer",
     "Parameter",
+    "PeriodicHalfPlane",
+    "PeriodicHalfSpace",
+    "Plane",
     "PowerLayer",
     "Pressure",
+    "Profile",
     "Record",
     "ReducedProblem",
     "Resultant",
+    "RigidBody",
     "Round",
     "SavedSolution",
     "Scene",
     "Scheme",
     "SeriesLayer",
+    "Shape",
     "Solution",
+    "Sphere",
     "Spring",
     "StepFailedError",
     "SurfaceResult",
@@ -160,9 +206,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """The module `reference` or a layer law, imported when first asked for, as solving needs neither; old names."""
+    """The module `reference`, a layer law or a body without a mesh, imported when first asked for; old names."""
     if name == "reference":
         return import_module(".reference", __name__)
+    if name in _PARTNERS:
+        return getattr(import_module(f".{_PARTNERS[name]}", __name__), name)
     if name in _LAWS:
         return getattr(import_module(f".layers.{_LAWS[name]}", __name__), name)
     if name == "Path":

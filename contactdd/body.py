@@ -43,16 +43,16 @@ class Body:
     Lengths, stresses and loads are in the user's own consistent set of units.
 
     Args:
-        name: Unique in a scene.
-        mesh: Its mesh with named surfaces.
+        name: The name, unique in a scene.
+        mesh: The mesh with its named surfaces.
         material: Hooke's law (2).
-        supports: A list of supports.
-        loads: A list of loads.
-        degree: Of the Lagrange elements.
+        supports: The supports.
+        loads: The loads.
+        degree: The degree of the Lagrange elements.
         kinematics: "plane strain" (default in the plane), "plane stress", "axisymmetric" (x[0] is the radius r >= 0,
             x[1] the axis; no torsion; energies and forces are those of the full ring) or "solid".
-        local_solver: How this body is solved, whatever the others are: the name of a local solver, or a function of a
-            `LocalTask` that makes a `LocalProblem`; by default what `solve` is asked for.
+        local_solver: The local solver of this body: its name, or a function of a `LocalTask` that makes a
+            `LocalProblem`; by default that of `solve`.
 
     Raises:
         TypeError, ValueError: An argument can be none of these, or names a surface that the mesh does not have.
@@ -107,7 +107,7 @@ class Body:
         """The same body in elements of another degree: its mesh, material, supports, loads and local solver are shared.
 
         Args:
-            degree: Of the Lagrange elements.
+            degree: The degree of the Lagrange elements.
 
         Raises:
             TypeError, ValueError: There are no elements of that degree.
@@ -234,7 +234,7 @@ class Body:
 
     @property
     def elastic_metadata(self) -> dict[str, Any] | None:
-        """The quadrature of a(u, v); None leaves it to UFL, which finds what is exact on simplices.
+        """The quadrature of a(u, v); None leaves it to UFL, whose choice is exact on simplices.
 
         On quadrilaterals and hexahedra p + 1 points along each axis are exact where these are parallelograms, and keep
         the elements' accuracy elsewhere; UFL would take many more.

@@ -11,10 +11,10 @@ from .base.arrays import Floats, Indices
 
 @dataclass(frozen=True)
 class SurfaceFit:
-    """How a contact surface of a body is drawn so that it fits its partner's, at the n nodes of the body.
+    """The shift with which a contact surface of a body is drawn so that it fits its partner's, at the n nodes.
 
     fade: (n,) 1 on the surface, 0 at the body's depth; normal: (n, dim) outward; of the nearest contact point: shape
-    (n,) the gap given beside the meshes' own, measured (n,) the meshes' own, gap (n,) the deformed one.
+    (n,) the prescribed part of the initial gap, measured (n,) that between the meshes, gap (n,) the deformed gap.
     """
 
     fade: Floats

@@ -71,8 +71,10 @@ class Contact:
     ) -> None:
         sides = _checked_side("first", first), _checked_side("second", second)
         bodies = [body for body, _ in sides]
-        if all(body.mesh is None for body in bodies):
-            raise ValueError(f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one body with a mesh")
+        if all(body.mesh is None and body.contact_points() is None for body in bodies):
+            raise ValueError(
+                f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one with a mesh, or with points of its own"
+            )
         _check_layer(layer)
         if bodies[0].kinematics.dim != bodies[1].kinematics.dim:
             raise ValueError(
@@ -144,7 +146,7 @@ class Contact:
         Its law is evaluated at more Gauss points; hard contact's pressures stay at nodes.
 
         Args:
-            degrees: By how many degrees the elements are higher.
+            degrees: The number of degrees by which the elements are higher.
         """
         other = copy(self)
         if not isinstance(self.layer, HardContact):

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import warnings
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,26 @@ from .base.arrays import Floats
 from .base.checks import as_floats
 from .base.polyline import Polyline, polyline
 from .base.table import frame, vector_columns, write_csv
+
+
+@dataclass(frozen=True)
+class NodalPressure:
+    """The contact pressure as a linear field on one surface: that of the softer body or else of the coarser facets.
+
+    It is the law's pressure, L²-projected: all forces and moments are the same; near the edge of contact it may be a
+    little below zero. With the quadrature "mortar" it is the pressure itself.
+
+    Attributes:
+        x: (m, dim) The nodes of the surface (length).
+        values: (m,) The pressure there, linear in between (stress).
+        at_points: (n,) The same at the points of the contact (stress).
+        stiffness_ratio: k h/E, the layer's stiffness where it presses, relative to that of the softer body's facets.
+    """
+
+    x: Floats
+    values: Floats
+    at_points: Floats
+    stiffness_ratio: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -34,19 +55,15 @@ class ContactResult:
         pressure: (n,) The contact pressure −σ_n >= 0 (stress).
         unpaired_area: The area of either surface that lies opposite nothing and is therefore outside the contact.
         initial_gap: (n,) The gap d before deformation (length).
-        corners: (facets, corners, dim) The corners of the first body's contact surface, in order around each facet.
+        outline: The `corners`, or what finds them when they are first asked for; None where they are not known.
         ring: Whether the bodies are bodies of revolution, x[:, 0] the radius.
         pointwise_pressure: (n,) The law at the points, −g(w), whatever `pressure` is (stress).
-        projected_pressure: (n,) The law's pressure, L²-projected onto the linear functions of the nodes of one surface,
-            that of the softer body or else of the coarser facets (stress). All forces and moments are the same; near
-            the edge of contact it may be a little below zero. With the quadrature "mortar" it is the pressure itself.
-        node_x: (m, dim) The nodes of that surface (length).
-        nodal_pressure: (m,) The projected pressure at these nodes, linear in between (stress).
-        stiffness_ratio: k h/E, the layer's stiffness where it presses, relative to that of the softer body's facets.
         wavers: Whether the law's pressure wavers from point to point around the right mean, as under a layer much
             stiffer than the elements on meshes that do not match. `pressure` is the projected one then, and the repr
             says so.
         hard: Whether there is no layer; `compression` is then the remaining penetration.
+        nodal: The pressure as a linear field on one surface, or what finds it when it is first asked for; None where it
+            is not known.
 
     Example:
         >>> import contactdd as cd
@@ -66,15 +83,51 @@ class ContactResult:
     pressure: Floats
     unpaired_area: tuple[float, float] = (0.0, 0.0)
     initial_gap: Floats | None = None
-    corners: Floats | None = None
+    outline: Floats | Callable[[], Floats] | None = field(default=None, repr=False, compare=False)
     ring: bool = False
     pointwise_pressure: Floats | None = None
-    projected_pressure: Floats | None = None
-    node_x: Floats | None = None
-    nodal_pressure: Floats | None = None
-    stiffness_ratio: float = 0.0
     wavers: bool = False
     hard: bool = False
+    nodal: NodalPressure | Callable[[], NodalPressure] | None = field(default=None, repr=False, compare=False)
+
+    @cached_property
+    def corners(self) -> Floats | None:
+        """The corners (facets, corners, dim) of the first body's contact surface, in order around each facet."""
+        return self.outline() if callable(self.outline) else self.outline
+
+    @cached_property
+    def nodal_field(self) -> NodalPressure:
+        """The pressure as a linear field on one surface.
+
+        Raises:
+            ValueError: It is not known.
+        """
+        if self.nodal is None:
+            raise ValueError("nodal = None: the result was made without the pressure at nodes")
+        return self.nodal() if callable(self.nodal) else self.nodal
+
+    @property
+    def projected_pressure(self) -> Floats:
+        """The law's pressure at the points, (n,), projected onto the linear functions of one surface's nodes (stress).
+
+        See `NodalPressure`.
+        """
+        return self.nodal_field.at_points
+
+    @property
+    def nodal_pressure(self) -> Floats:
+        """The projected pressure at the nodes `node_x`, (m,), linear in between (stress)."""
+        return self.nodal_field.values
+
+    @property
+    def node_x(self) -> Floats:
+        """The nodes of the surface that carries the projected pressure, (m, dim) (length)."""
+        return self.nodal_field.x
+
+    @property
+    def stiffness_ratio(self) -> float:
+        """The ratio k h/E of the layer's stiffness, where it presses, to that of the softer body's facets."""
+        return self.nodal_field.stiffness_ratio
 
     @property
     def unmatched(self) -> tuple[float, float]:
@@ -176,8 +229,11 @@ class ContactResult:
         """The same result, its points in the order of `arc_length`; in space in that of x, y, z."""
         order = np.argsort(self.arc_length, kind="stable") if self.x.shape[1] == 2 else np.lexsort(self.x.T[::-1])
         names = ("x", "normal", "weights", "gap", "compression", "pressure", "initial_gap", "pointwise_pressure")
-        parts = {name: getattr(self, name) for name in (*names, "projected_pressure")}
-        return replace(self, **{name: part[order] for name, part in parts.items() if part is not None})
+        parts = {name: getattr(self, name) for name in names}
+        found = replace(self, **{name: part[order] for name, part in parts.items() if part is not None})
+        if self.nodal is None:
+            return found
+        return replace(found, nodal=lambda: replace(self.nodal_field, at_points=self.projected_pressure[order]))
 
     @property
     def edge(self) -> Floats:
@@ -299,14 +355,14 @@ class ContactResult:
 
     def _along(self, points: Floats, values: dict[str, Floats]) -> dict[str, Floats]:
         """Values interpolated along the curve, each of its pieces by itself."""
-        place, piece, _ = self._curve.locate(points)
+        position, piece, _ = self._curve.locate(points)
         own, own_piece, _ = self._curve.locate(self.x)
         found: dict[str, Floats] = {name: np.zeros(len(points)) for name in values}
         for chain in np.unique(piece):
             order = np.flatnonzero(own_piece == chain)
             order = order[np.argsort(own[order], kind="stable")]
             for name, value in values.items():
-                found[name][piece == chain] = np.interp(place[piece == chain], own[order], value[order])
+                found[name][piece == chain] = np.interp(position[piece == chain], own[order], value[order])
         return found
 
     def _across(self, points: Floats, values: dict[str, Floats]) -> dict[str, Floats]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from functools import cache, cached_property
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import basix
 import basix.ufl
@@ -37,6 +38,7 @@ class Elements:
 
     def __init__(self, name: str, mesh: Mesh, degree: int, kinematics: Kinematics) -> None:
         self.name, self.mesh, self.degree, self.kinematics = name, mesh, degree, kinematics
+        self._isometries: WeakKeyDictionary[Elements, Isometry | None] = WeakKeyDictionary()
 
     @property
     def domain(self) -> Any:
@@ -70,7 +72,12 @@ class Elements:
 
     def isometry_from(self, other: Elements) -> Isometry | None:
         """The motion or mirror image that takes other elements, numbered alike, to these; None if there is none."""
-        if self.degree != other.degree or self.kinematics != other.kinematics:
+        if other not in self._isometries:
+            self._isometries[other] = self._found_isometry(other)
+        return self._isometries[other]
+
+    def _found_isometry(self, other: Elements) -> Isometry | None:
+        if self.degree != other.degree or self.kinematics is not other.kinematics:
             return None
         isometry = self.mesh.isometry_from(other.mesh)
         same = isometry is not None and np.array_equal(self.space.dofmap.list, other.space.dofmap.list)

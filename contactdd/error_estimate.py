@@ -1,8 +1,8 @@
-"""How far a solution is from the truth: the same scene solved again in elements of a higher degree.
+"""The error of a solution, estimated by solving the same scene again in elements of a higher degree.
 
-On the same meshes the better solution is nearer to the truth by an order of the mesh width, so that what it differs by
-is the error, but for a part that vanishes with the mesh width. Of the error of p this told between 0.6 and 2.3 times
-the truth on meshes that resolve the contact; it is an estimate and no bound.
+On the same meshes the better solution is more accurate by an order of the mesh width, so that the difference is the
+error, but for a part that vanishes with the mesh width. For p the estimate was 0.6 to 2.3 times the true error on
+meshes that resolve the contact; it is an estimate and no bound.
 """
 
 from __future__ import annotations
@@ -32,10 +32,14 @@ from .solve import solve
 class Estimated:
     """A number of a solution with its estimated error.
 
-    Args:
+    Attributes:
         value: The number itself, in its own unit.
-        error: By how much it differs from the better solution's, in the same unit.
-        scale: What the relative error refers to, in the same unit.
+        error: Its difference from the better solution's, in the same unit.
+        scale: The reference of the relative error, in the same unit.
+
+    Example:
+        >>> Estimated(100.0, 2.0, 99.0)
+        100 ± 2
     """
 
     value: float
@@ -55,12 +59,12 @@ class Estimated:
 class ContactErrorEstimate:
     """The estimated errors of one contact, at the n points of its `ContactResult`.
 
-    Args:
-        name: Of the contact.
-        result: The contact quantities of the solution, as `Solution.contact` tells them.
+    Attributes:
+        name: The name of the contact.
+        result: The contact quantities of the solution, as of `Solution.contact`.
         better: Those of the better solution, at its own points.
         better_gap: (n,) The better solution's gap at the points of `result` (length).
-        better_pressure: (n,) Its contact pressure there (stress).
+        better_pressure: (n,) The better solution's contact pressure there (stress).
     """
 
     name: str
@@ -96,9 +100,9 @@ class ContactErrorEstimate:
 
     @property
     def area(self) -> Estimated:
-        """The real contact area; its error counts what one solution takes for closed and the other for open.
+        """The real contact area; its error is the area that is closed in one solution and open in the other.
 
-        Points are counted as a whole: of a difference smaller than what a point stands for only `edge` tells.
+        Points are counted as a whole: a difference smaller than the area of a point is seen by `edge` only.
         """
         differs = self.result.closed != self._better_closed
         return Estimated(self.result.area, float(self.result.weights[differs].sum()), self.better.area)
@@ -109,12 +113,12 @@ class ContactErrorEstimate:
 
     @property
     def edge(self) -> Floats:
-        """By how much (k,) each edge of contact of the better solution is off in the solution (length), in the plane.
+        """The distances (k,) from each edge of contact of the better solution to the solution's (length), in the plane.
 
         Infinite where the solution has no edge at all.
 
         Raises:
-            ValueError: In space, where the edge of contact is a line.
+            ValueError: The bodies are solids, whose edge of contact is a line.
         """
         here, there = self.result.edge, self.better.edge
         away = np.linalg.norm(there[:, None] - here[None], axis=2)
@@ -130,11 +134,11 @@ class ContactErrorEstimate:
 class ErrorEstimate:
     """The estimated error of a solution, and the better solution that it was found from.
 
-    Args:
-        solution: What the errors are of.
+    Attributes:
+        solution: The solution whose errors are estimated.
         better: The solution of the same scene, elements of a higher degree on the same meshes.
         contacts: The errors of every contact, in the scene's order.
-        cpu_seconds: What the estimate took.
+        cpu_seconds: The CPU time of the estimate (s).
     """
 
     solution: Solution
@@ -165,7 +169,7 @@ class ErrorEstimate:
         """The errors of one contact.
 
         Args:
-            contact: Its name (as typed, "lower-upper", too), its place in the scene or the `Contact`.
+            contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
         """
         return self.contacts[self.solution.scene.contact_index(contact)]
 
@@ -175,13 +179,13 @@ class ErrorEstimate:
         Args:
             body: Its name or the `Body`.
         """
-        place = self.solution.scene.body_index(body)
-        own = self.solution.scene.bodies[place]
+        index = self.solution.scene.body_index(body)
+        own = self.solution.scene.bodies[index]
         dim = own.kinematics.dim if own.mesh is None else own.mesh.dim
         if own.mesh is None:  # its unknowns are no displacements of nodes
             dim = 1
-        u = self.solution.displacement_on(self.better.scene.bodies[place])
-        norms = [_largest(each, dim) for each in (u, self._differences[place], u - self._differences[place])]
+        u = self.solution.displacement_on(self.better.scene.bodies[index])
+        norms = [_largest(each, dim) for each in (u, self._differences[index], u - self._differences[index])]
         return Estimated(*norms)
 
     def displacement_error(self, body: str | Body) -> fem.Function:
@@ -191,14 +195,14 @@ class ErrorEstimate:
             body: Its name or the `Body`.
 
         Raises:
-            ValueError: For a body without a mesh.
+            ValueError: The body has no mesh.
         """
-        place = self.solution.scene.body_index(body)
-        owner = self.better.scene.bodies[place]
+        index = self.solution.scene.body_index(body)
+        owner = self.better.scene.bodies[index]
         if owner.mesh is None:
             raise ValueError(f"body = {owner.name!r}: it has no mesh; expected a body with one")
         function = fem.Function(owner.space, name="displacement_error")
-        function.x.array[:] = self._differences[place]
+        function.x.array[:] = self._differences[index]
         return function
 
     @cached_property
@@ -216,16 +220,17 @@ class ErrorEstimate:
 
 
 def error_estimate(solution: Solution, *, degrees: int = 1) -> ErrorEstimate:
-    """The estimated error of a solution: what it differs by from one in elements of a higher degree.
+    """The estimated error of a solution: its difference from one in elements of a higher degree.
 
     The meshes, materials, supports, loads and contacts are the same; the better solve starts from the solution. It may
     compile forms of that degree when they are first met. A solution that did not converge is compared too: its error
     is then that of the iteration as well. Contacts of the better scene evaluate the law at Gauss points, whatever the
-    solution's own do; pressures are compared at the points of `Solution.contact`. On several ranks all have to call it.
+    solution's own do; pressures are compared at the points of `Solution.contact`. Collective: on several
+    ranks all have to call it.
 
     Args:
-        solution: Of `solve`, whose scene has its parameters at any values: the solution's own are taken.
-        degrees: By how many degrees the elements of the better solution are higher.
+        solution: A result of `solve`. Its scene's parameters may have other values by now: the solution's own count.
+        degrees: The number of degrees by which the elements of the better solution are higher.
 
     Raises:
         TypeError, ValueError: It is no solution, elements of a degree so high do not exist, or elements of degree 2
@@ -322,8 +327,8 @@ def _mean_squares(contacts: Sequence[ContactErrorEstimate]) -> Estimated:
     area, squares = 0.0, np.zeros(3)
     for contact in contacts:
         area += contact.better.area or contact.result.nominal_area
-        for place, p in enumerate((contact.result.pressure, contact.pressure_error, contact.better_pressure)):
-            squares[place] += contact.result.weights @ p**2
+        for i, p in enumerate((contact.result.pressure, contact.pressure_error, contact.better_pressure)):
+            squares[i] += contact.result.weights @ p**2
     return Estimated(*np.sqrt(squares / area).tolist())
 
 

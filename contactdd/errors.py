@@ -1,4 +1,4 @@
-"""What can go wrong, by name."""
+"""Errors and warnings of the solver."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ from dolfinx import mesh as dmesh
 from .base.checks import as_floats, check_vector
 from .parameter import Parameter, ParameterField, current
 
-#: What a user may give for a load or a prescribed displacement.
+#: The value of a load or a prescribed displacement, as a user may give it.
 Field: TypeAlias = (
     float
     | list[float]
@@ -29,7 +29,7 @@ Field: TypeAlias = (
 
 
 def check_field(name: str, value: Any, vector: bool = False) -> None:
-    """Refuse at once what can be no field of numbers or, with `vector`, of as many numbers as there are coordinates."""
+    """Raise unless `value` is a number, a callable or a UFL expression (a vector of them if `vector`)."""
     given = current(value)
     if callable(given) or isinstance(given, ufl.core.expr.Expr):
         return
@@ -40,7 +40,7 @@ def check_field(name: str, value: Any, vector: bool = False) -> None:
 
 
 def check_dimension(name: str, value: Any, dim: int) -> None:
-    """Refuse a vector of another number of components than `dim`; functions tell theirs only where they are asked."""
+    """Raise if a vector has another number of components than `dim`; functions are checked when they are evaluated."""
     value = current(value)
     if isinstance(value, ufl.core.expr.Expr):
         if value.ufl_shape != (dim,):

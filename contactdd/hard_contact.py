@@ -30,15 +30,15 @@ class HardContact:
 
     Given in place of a layer. The pressure is a linear field on the nodes of one surface (`quadrature="mortar"`, which
     such a contact always has), found by an augmented Lagrangian; the weighted gap at each node is zero to a millionth
-    of what that pressure would do to a layer as stiff as the elements. What penetration is left is told by
-    `ContactResult.penetration` and by the notes in the history.
+    of the compression of a layer as stiff as the elements under that pressure. The remaining penetration is in
+    `ContactResult.penetration` and in the history's notes.
 
     Args:
-        penalty: k over the bodies' surface stiffness E/h (no unit), by default 30, and 0.3 with decomposed methods. It
-            changes how many iterations are needed, not the result.
+        penalty: The penalty k over the bodies' surface stiffness E/h (no unit), by default 30, and 0.3 with decomposed
+            methods. It changes the number of iterations, not the result.
 
     Raises:
-        TypeError, ValueError: penalty is not a positive finite number.
+        TypeError, ValueError: The penalty is no positive finite number.
 
     Example:
         >>> HardContact()
@@ -52,7 +52,7 @@ class HardContact:
             object.__setattr__(self, "penalty", positive("penalty", self.penalty))
 
     def decomposed(self) -> HardContact:
-        """The same for decomposed methods, unless the user chose k."""
+        """The contact with the penalty of decomposed methods, unless the user chose one."""
         return HardContact(DECOMPOSED_PENALTY) if self.penalty is None else self
 
 

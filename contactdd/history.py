@@ -1,4 +1,4 @@
-"""What happened in each iteration, as arrays and as a table."""
+"""The records of a run's iterations, as arrays and as a table."""
 
 from __future__ import annotations
 

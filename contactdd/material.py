@@ -27,7 +27,7 @@ Number = float | Callable[[Floats], Any]
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
-#: The place of the component (i, j) in that order.
+#: The position of the component (i, j) in that order.
 PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 
 

@@ -23,7 +23,7 @@ from .base.refinement import Split, split
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
 
 
-#: The cells of a structured mesh along one axis: how many equal ones, or where they end.
+#: The cells of a structured mesh along one axis: the number of equal ones, or the coordinates of their ends.
 Cells = int | Sequence[float] | NDArray[np.float64]
 
 
@@ -81,7 +81,12 @@ class Mesh:
     @property
     def size(self) -> float:
         """The longest side of the mesh's bounding box."""
-        return float(np.ptp(self.domain.geometry.x, axis=0).max())
+        return float(self.extent.max())
+
+    @cached_property
+    def extent(self) -> NDArray[np.float64]:
+        """The sides of the mesh's bounding box, (dim,) (length)."""
+        return np.ptp(self.domain.geometry.x[:, : self.dim], axis=0)
 
     def facets(self, surface: str) -> NDArray[np.int32]:
         """The facet indices of a named surface, sorted, (facets,).

@@ -10,7 +10,8 @@ from abc import ABC, abstractmethod
 
 import numpy as np
 
-from .base.arrays import Floats
+from .base.arrays import Floats, Operator
+from .base.spectral import SpectralStiffness
 from .kinematics import kinematics as find_kinematics
 
 
@@ -22,7 +23,7 @@ class MeshlessBody(ABC):
     `Kinematics.rigid_modes`: translations, then rotations.
 
     Args:
-        name: Unique in a scene.
+        name: The name, unique in a scene.
         kinematics: As of `Body`: "plane strain", "plane stress", "axisymmetric" or "solid".
 
     Attributes:
@@ -46,6 +47,8 @@ class MeshlessBody(ABC):
     mesh = None
     #: A local solver of its own, a function of a `LocalTask`; None for dense algebra on `stiffness`.
     local_solver = None
+    #: Whether it stands for the mirror image of what touches it, with half of the layer and of the given gap.
+    mirrors: bool = False
     length: float = 0.0
 
     def __init__(self, name: str, kinematics: str = "plane strain") -> None:
@@ -67,8 +70,10 @@ class MeshlessBody(ABC):
         """
 
     @abstractmethod
-    def normal_displacement(self, x: Floats, direction: Floats) -> Floats:
+    def normal_displacement(self, x: Floats, direction: Floats) -> Operator:
         """The operator (n, dofs) from the degrees of freedom to u_n of the surface opposite the points.
+
+        An array or a sparse matrix, which bodies of many degrees of freedom need.
 
         u_n is counted along this body's outward normal, which is −direction.
 
@@ -77,12 +82,35 @@ class MeshlessBody(ABC):
             direction: (n, dim) Unit vectors, out of the other body.
         """
 
+    def contact_points(self) -> tuple[Floats, Floats, Floats] | None:
+        """The points of its own at which a contact with another body without a mesh is evaluated.
+
+        Returns:
+            Points (n, dim) on its surface, its outward unit normals (n, dim) and the areas (n,) that they stand for,
+            that of the full ring of a body of revolution; None if it has none.
+        """
+        return None
+
+    def contact_facets(self) -> Floats | None:
+        """The corners (facets, corners, dim) of what lies between its contact points, in order around each facet.
+
+        For pictures and curves; None if it has no points.
+        """
+        return None
+
+    def point_stiffnesses(self) -> Floats | None:
+        """E/h at its contact points (n,) (stress / length): how stiff a layer is that is as stiff as its surface.
+
+        Hard contacts with other bodies without a mesh need it; None if it is rigid or has no points.
+        """
+        return None
+
     @property
     def size(self) -> int:
         """The number of degrees of freedom; by default those of a rigid body."""
         return self.kinematics.rigid_modes(np.zeros((1, 3))).shape[2]
 
-    def stiffness(self) -> Floats:
+    def stiffness(self) -> Floats | SpectralStiffness:
         """The stiffness (dofs, dofs) between the degrees of freedom; zero of a rigid body."""
         return np.zeros((self.size, self.size))
 
@@ -109,4 +137,6 @@ class MeshlessBody(ABC):
         Args:
             forces: (dofs,) The forces on the degrees of freedom.
         """
+        if self.kinematics.axisymmetric:
+            return np.array([0.0, forces[0]])
         return np.array(forces[: self.kinematics.dim])

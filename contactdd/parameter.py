@@ -83,7 +83,7 @@ class ParameterField:
 
 
 def current(value: Any) -> Any:
-    """What stands for `value` now, and will whatever becomes of a parameter in it."""
+    """The present value, detached from later changes of the parameter."""
     if isinstance(value, Parameter):
         return value.value
     return value.frozen() if isinstance(value, ParameterField) else value

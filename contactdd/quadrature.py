@@ -1,4 +1,4 @@
-"""Where on a contact the layer's law is evaluated, and with what weights.
+"""Quadrature rules of a contact: the points and weights at which the layer's law is evaluated.
 
 "facet":  one value per facet (DG0), the law at the facet's mean gap;
 "vertex": the facet's vertices with equal weights, as in the paper's computations;
@@ -6,7 +6,7 @@
 "mortar": one value per node of one surface, the law at the weighted mean gap there. The pressure is a linear field on
           that surface, which the bodies' displacements can follow however stiff the layer is.
 
-Integration points are where ∫ φ u_n v_n is evaluated, values are the places where the law is.
+Integration points: where ∫ φ u_n v_n is evaluated. Values, at evaluation points: where the layer law is evaluated.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from .base.checks import as_count, check_choice
 
 @dataclass(frozen=True)
 class Sampling:
-    """How the values of a contact follow from its points.
+    """The relation between the values of a contact and its integration points.
 
     mean: (values, points) the weighted means; weights: (values,) areas; spread: (points, values) from values to points;
-    nodes: (values,) the places of the nodes that carry them, gathered: (nodes, values) which value each node takes;
+    nodes: (values,) the indices of the nodes that carry them, gathered: (nodes, values) the value of each node;
     None where values belong to points or segments.
     """
 
@@ -66,7 +66,7 @@ class Quadrature(ABC):
         return _gauss(facet, self.degree)
 
     def points_per_value(self, per_facet: int) -> int:
-        """How many of a facet's integration points share one value, on a surface that is not split."""
+        """The number of a facet's integration points that share one value, on a surface that is not split."""
         return 1
 
     @abstractmethod
@@ -75,7 +75,7 @@ class Quadrature(ABC):
 
     @property
     def metadata(self) -> dict[str, Any]:
-        """What the UFL measure of the Robin term needs to use the same points."""
+        """The metadata with which the UFL measure of the Robin term uses the same points."""
         return {"quadrature_rule": "default", "quadrature_degree": self.degree}
 
     @abstractmethod
@@ -187,7 +187,7 @@ RULES: dict[str, type[Quadrature]] = {
 @cache
 def _gauss(facet: basix.CellType, degree: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     points, weights = quadrature_rule(facet, degree)
-    points.setflags(write=False)  # they are everybody's
+    points.setflags(write=False)  # cached and shared: read-only
     weights.setflags(write=False)
     return points, weights
 

@@ -56,7 +56,7 @@ def nodal_stress(body: Body, stress: fem.Function) -> tuple[Floats, Floats]:
 
 
 def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
-    """How a body's nodes x (n, dim) are shifted in pictures so that its contact surface fits."""
+    """The shift of a body's nodes x (n, dim) in pictures so that its contact surface fits."""
     from scipy.spatial import cKDTree
 
     nearest = cKDTree(interface.x).query(x)[1]
@@ -64,17 +64,17 @@ def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
     depth = np.sum((interface.x[nearest] - x) * normal, axis=1)
     fade = 1.0 - np.clip(depth / max(float(depth.max()), np.finfo(float).tiny), 0.0, 1.0)
     shape = np.zeros(len(x))
-    if np.any(interface.shape):
+    if np.any(interface.prescribed_gap):
         above = x + depth[:, None] * normal  # on the contact, where the gap is given
         shape = evaluate("gap", interface.contact.gap, above.T)
-    return SurfaceFit(fade, normal, shape, interface.measured[nearest], gap[nearest])
+    return SurfaceFit(fade, normal, shape, interface.geometric_gap[nearest], gap[nearest])
 
 
 def surface_result(
-    interface: Interface, place: int, gap: Floats, pressure: Floats, displacement: fem.Function
+    interface: Interface, side_index: int, gap: Floats, pressure: Floats, displacement: fem.Function
 ) -> SurfaceResult:
-    """The side `place` (0 or 1) of a contact facet by facet, from the values at the interface's points."""
-    side = interface.sides[place]
+    """The side `side_index` (0 or 1) of a contact facet by facet, from the values at the interface's points."""
+    side = interface.sides[side_index]
     surface, body = side.meshed, side.meshed.body
     points, cells, kind, u, at = _facet_nodes(body, surface.entities, displacement)
     carries = interface.functions.surface is surface

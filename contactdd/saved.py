@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from .base.arrays import Floats
 from .body_result import BodyResult, SurfaceFit
-from .contact_result import ContactResult
+from .contact_result import ContactResult, NodalPressure
 from .history import History, Record
 from .surface_result import SurfaceResult, Surfaces
 
@@ -160,10 +160,10 @@ class SavedSolution:
         return "\n  ".join(lines + [f"{name}: {result!r}" for name, result in self.contacts.items()])
 
     def _name(self, contact: str | int) -> str:
-        for place, name in enumerate(self.contacts):
-            if contact in (place, name, name.replace("–", "-")):
+        for index, name in enumerate(self.contacts):
+            if contact in (index, name, name.replace("–", "-")):
                 return name
-        raise ValueError(f"contact = {contact!r}: expected a place or one of {', '.join(map(repr, self.contacts))}")
+        raise ValueError(f"contact = {contact!r}: expected an index or one of {', '.join(map(repr, self.contacts))}")
 
 
 def save(solution: SavedSolution, folder: Path) -> Path:
@@ -181,28 +181,30 @@ def save(solution: SavedSolution, folder: Path) -> Path:
         "resultants": {
             body: {n: v.tolist() for n, v in forces.items()} for body, forces in solution.resultants.items()
         },
-        "bodies": [_body_told(solution, place, arrays) for place in range(len(solution.bodies))],
-        "contacts": [_contact_told(solution, place, name, arrays) for place, name in enumerate(solution.contacts)],
+        "bodies": [_body_told(solution, index, arrays) for index in range(len(solution.bodies))],
+        "contacts": [_contact_told(solution, index, name, arrays) for index, name in enumerate(solution.contacts)],
     }
     _replace(folder / ARRAYS, lambda file: np.savez_compressed(file, **arrays))  # type: ignore[arg-type]
     _replace(folder / DESCRIPTION, lambda file: file.write(json.dumps(description, indent=1).encode()))
     return folder
 
 
-def _body_told(solution: SavedSolution, place: int, arrays: dict[str, NDArray]) -> dict[str, Any]:
+def _body_told(solution: SavedSolution, index: int, arrays: dict[str, NDArray]) -> dict[str, Any]:
     """The description of one body; its arrays go into `arrays`."""
-    body = solution.bodies[place]
-    plain = _taken_apart(body, f"body {place}", arrays, skip="fits")
+    body = solution.bodies[index]
+    plain = _taken_apart(body, f"body {index}", arrays, skip="fits")
     for number, fit in enumerate(body.fits):
-        _taken_apart(fit, f"body {place} fit {number}", arrays)
+        _taken_apart(fit, f"body {index} fit {number}", arrays)
     return plain | {"fits": len(body.fits)}
 
 
-def _contact_told(solution: SavedSolution, place: int, name: str, arrays: dict[str, NDArray]) -> dict[str, Any]:
+def _contact_told(solution: SavedSolution, index: int, name: str, arrays: dict[str, NDArray]) -> dict[str, Any]:
     """The description of one contact; its arrays go into `arrays`."""
-    told: dict[str, Any] = {"name": name, "contact": _taken_apart(solution.contacts[name], f"contact {place}", arrays)}
+    result, prefix = solution.contacts[name], f"contact {index}"
+    told: dict[str, Any] = {"name": name, "contact": _taken_apart(result, prefix, arrays, skip="nodal")}
+    told["nodal"] = None if result.nodal is None else _taken_apart(result.nodal_field, f"{prefix} nodal", arrays)
     for side, surface in enumerate(solution.surfaces[name]):
-        told[f"surface {side}"] = surface and _taken_apart(surface, f"surface {place} {side}", arrays)
+        told[f"surface {side}"] = surface and _taken_apart(surface, f"surface {index} {side}", arrays)
     return told
 
 
@@ -241,24 +243,27 @@ def _put_together(told: dict[str, Any], arrays: Mapping[str, NDArray]) -> SavedS
         history.append(Record(**record))
     bodies, contacts, surfaces = [], {}, {}
     resultants = {body: {n: np.array(v) for n, v in forces.items()} for body, forces in told["resultants"].items()}
-    for place, entry in enumerate(told["bodies"]):
-        fits = tuple(_made(SurfaceFit, f"body {place} fit {number}", {}, arrays) for number in range(entry["fits"]))
-        body = _made(BodyResult, f"body {place}", entry, arrays, fits=fits)
+    for index, entry in enumerate(told["bodies"]):
+        fits = tuple(_made(SurfaceFit, f"body {index} fit {number}", {}, arrays) for number in range(entry["fits"]))
+        body = _made(BodyResult, f"body {index}", entry, arrays, fits=fits)
         bodies.append(body)
-    for place, entry in enumerate(told["contacts"]):
+    for index, entry in enumerate(told["contacts"]):
         area = tuple(entry["contact"]["unpaired_area"])
-        contacts[entry["name"]] = _made(ContactResult, f"contact {place}", entry["contact"], arrays, unpaired_area=area)
-        surfaces[entry["name"]] = (_surface(place, 0, entry, arrays), _surface(place, 1, entry, arrays))
+        given, prefix = entry["nodal"], f"contact {index}"
+        nodal = None if given is None else _made(NodalPressure, f"{prefix} nodal", given, arrays)
+        own = {"unpaired_area": area, "nodal": nodal}
+        contacts[entry["name"]] = _made(ContactResult, prefix, entry["contact"], arrays, **own)
+        surfaces[entry["name"]] = (_surface(index, 0, entry, arrays), _surface(index, 1, entry, arrays))
     plain = {name: told[name] for name in ("status", "reason", "method", "numbers")}
     return SavedSolution(
         **plain, history=history, bodies=bodies, contacts=contacts, surfaces=surfaces, resultants=resultants
     )
 
 
-def _surface(place: int, side: int, entry: Mapping[str, Any], arrays: Mapping[str, NDArray]) -> SurfaceResult | None:
+def _surface(index: int, side: int, entry: Mapping[str, Any], arrays: Mapping[str, NDArray]) -> SurfaceResult | None:
     """One side of a contact."""
     plain = entry[f"surface {side}"]
-    return None if plain is None else _made(SurfaceResult, f"surface {place} {side}", plain, arrays)
+    return None if plain is None else _made(SurfaceResult, f"surface {index} {side}", plain, arrays)
 
 
 def _taken_apart(item: Any, prefix: str, arrays: dict[str, NDArray], skip: str = "") -> dict[str, Any]:
@@ -266,6 +271,7 @@ def _taken_apart(item: Any, prefix: str, arrays: dict[str, NDArray], skip: str =
     plain = {}
     for name in (field.name for field in fields(item) if field.name != skip):
         value = getattr(item, name)
+        value = value() if callable(value) else value
         if isinstance(value, np.ndarray):
             arrays[f"{prefix} {name}"] = value
         elif value is not None:

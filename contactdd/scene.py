@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from copy import copy
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -95,6 +97,15 @@ class Scene:
             self._solvers = LocalSolvers(self.bodies, self.interfaces, self.ranks)
         return self._solvers.problems(local_solver)
 
+    def subproblems(self, local_solver: str = "auto") -> list[LocalProblem]:
+        """The old name of `local_problems`.
+
+        Args:
+            local_solver: See there.
+        """
+        warnings.warn("Scene.subproblems is now called local_problems", DeprecationWarning, stacklevel=2)
+        return self.local_problems(local_solver)
+
     def refresh(self) -> None:
         """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.
 
@@ -171,7 +182,7 @@ class Scene:
         return self.with_bodies(finer)
 
     def body_index(self, body: str | Body) -> int:
-        """The place of a body in the scene.
+        """The index of a body in the scene.
 
         Args:
             body: Its name or the `Body`.
@@ -185,10 +196,10 @@ class Scene:
         raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.bodies)}")
 
     def contact_index(self, contact: str | int | Contact) -> int:
-        """The place of a contact in the scene.
+        """The index of a contact in the scene.
 
         Args:
-            contact: Its name (as typed, "lower-upper", too), its place or the `Contact`.
+            contact: Its name (as typed, "lower-upper", too), its index or the `Contact`.
 
         Raises:
             ValueError: There is no such contact.
@@ -197,21 +208,21 @@ class Scene:
             if contact in (other, index, other.name, _typed(other.name)):
                 return index
         known = ", ".join(repr(_typed(other.name)) for other in self.contacts)
-        raise ValueError(f"contact = {contact!r}: expected a place or one of {known}")
+        raise ValueError(f"contact = {contact!r}: expected an index or one of {known}")
 
     def parameter_values(self) -> list[float | Floats]:
         """The present values of all parameters that loads, prescribed displacements and gaps follow."""
-        return [parameter.value for parameter in self._parameters()]
+        return [parameter.value for parameter in self._parameters]
 
     @contextmanager
     def at(self, values: Sequence[float | Floats]) -> Iterator[None]:
         """A context in which the parameters have values that they had earlier; they are set back after it.
 
         Args:
-            values: As `parameter_values` told them.
+            values: The values, as `parameter_values` gave them.
         """
         present = self.parameter_values()
-        parameters = self._parameters()
+        parameters = self._parameters
         try:
             for parameter, value in zip(parameters, values, strict=True):
                 parameter.value = value
@@ -226,16 +237,18 @@ class Scene:
         Args:
             parameter: The parameter in question.
         """
-        return any(parameter is other for other in self._parameters())
+        return any(parameter is other for other in self._parameters)
 
+    @cached_property
     def _parameters(self) -> list[Parameter]:
+        """The parameters that any load, prescribed displacement or gap follows."""
         items: list[Any] = list(self.contacts)
         for body in self.bodies:
             items += (body,) if body.mesh is None else (*body.loads, *body.supports)
         return [parameter for item in items for parameter in parameters(vars(item).values())]
 
     def _parameter_values(self) -> list[bytes]:
-        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters()]
+        return [np.asarray(parameter.value).tobytes() for parameter in self._parameters]
 
     def _check(self) -> None:
         if not self.contacts:

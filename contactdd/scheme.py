@@ -1,4 +1,4 @@
-"""The schemes: which Robin coefficient φ^k each of them takes, and whether its step solves the bodies apart.
+"""The schemes: the Robin coefficient φ^k of each, and the way to solve its linear problem.
 
 All are G^k(u^{k+1}, v) = G^k(u^k, v) − γ^k F₁'(u^k, v), (16) and (25). They differ in φ^k and in G^k: a decomposed
 scheme keeps φ (u_αn v_αn + u_βn v_βn), so that every body is solved on its own; a coupled one keeps the product of
@@ -7,6 +7,7 @@ sums φ (u_αn + u_βn)(v_αn + v_βn).
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -21,7 +22,7 @@ from .layer import Layer
 Subset = Callable[[Floats, Floats], Floats]
 
 
-#: How the linear problem of a scheme may be solved.
+#: The ways to solve the linear problem of a scheme.
 STEPS = ("decomposed", "direct", "krylov", "auto")
 
 
@@ -64,6 +65,9 @@ class Scheme:
                 raise TypeError(f"{name} = {getattr(self, name)!r}: expected a text")
         if not callable(self.coefficient):
             raise TypeError(f"coefficient = {self.coefficient!r}: expected a function (layer, z, z_previous, x) -> φ")
+        if self.step == "apart":
+            warnings.warn('step = "apart" is now called "decomposed"', DeprecationWarning, stacklevel=3)
+            object.__setattr__(self, "step", "decomposed")
         check_choice("step", self.step, STEPS)
         as_bool("accelerated", self.accelerated)
 

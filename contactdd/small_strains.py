@@ -1,4 +1,4 @@
-"""How large strains and rotations are, and whether linear theory may be trusted with them."""
+"""The size of strains and rotations, and warnings where linear theory is doubtful."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ import numpy as np
 
 from .base import compat
 from .base.arrays import Floats
+from .base.checks import finite
 from .body import Body
 from .errors import LargeStrainWarning
 from .interface.discretise import Interface
+from .material import Isotropic, Material
 
 #: The strain from which on linear theory is doubtful. Green's strain is ε + ½ ∇uᵀ∇u: what linear theory leaves out is
 #: about half of ε², relative to ε 5 % at ε = 0.1.
@@ -81,15 +83,17 @@ def _strains(body: Body, displacement: Floats) -> tuple[Floats, Floats]:
 
 
 def suspicious(interfaces: Sequence[Interface], gaps: Sequence[Floats]) -> bool:
-    """Whether strains may be large, by what the contacts alone tell: how far they came together, how hard they press.
+    """Whether strains may be large, judged by the approach and the pressure of the contacts alone.
 
-    A strain that no contact sees, such as that of a body bent by its loads, is not found.
+    A strain far from contacts, such as that of a body bent by its loads, is not found.
     """
     return any(_noted(interface, gap) for interface, gap in zip(interfaces, gaps, strict=True))
 
 
 def _noted(interface: Interface, gap: Floats) -> bool:
     scales = [_scales(body) for body, _ in interface.contact.sides if body.mesh]
+    if not scales:  # what has no mesh tells no strains
+        return False
     thickness, stiffness = (min(values) for values in zip(*scales, strict=True))
     if np.abs(interface.gap - gap).max(initial=0.0) > NOTED_APPROACH * thickness:
         return True
@@ -102,11 +106,17 @@ _known: WeakKeyDictionary[Body, tuple[float, float]] = WeakKeyDictionary()
 def _scales(body: Body) -> tuple[float, float]:
     """A body's thickness, the shortest side of its bounding box, and its smallest stiffness; both never change."""
     if body not in _known:
-        x = body.mesh.domain.geometry.x
-        stiffness = body.material.stiffness(x.mean(axis=0)[:, None] if body.material.varies else None)
-        thickness = float(np.ptp(x[:, : body.mesh.dim], axis=0).min())
-        _known[body] = thickness, float(np.linalg.eigvalsh(stiffness).min())
+        _known[body] = float(body.mesh.extent.min()), _least_stiffness(body.material, body.mesh.domain.geometry.x)
     return _known[body]
+
+
+def _least_stiffness(material: Material, x: Floats) -> float:
+    """The smallest eigenvalue of C, at the middle of the nodes x (n, 3) where the material varies."""
+    if isinstance(material, Isotropic) and not material.varies:  # 3λ + 2μ, 2μ and, of shear, μ: with no matrix
+        E, nu = finite("E", material.E), finite("nu", material.nu)
+        return min(E / (1 - 2 * nu), E / (2 * (1 + nu)))
+    stiffness = material.stiffness(x.mean(axis=0)[:, None] if material.varies else None)
+    return float(np.linalg.eigvalsh(stiffness).min())
 
 
 def warn(sizes: Sequence[StrainSize]) -> None:
@@ -117,5 +127,5 @@ def warn(sizes: Sequence[StrainSize]) -> None:
             f"linear theory is doubtful here: {'; '.join(large)}; it is good for strains below {LARGE_STRAIN:g} and "
             f"rotations below {LARGE_ROTATION:g} rad, where it errs by 5 % and 0.5 %",
             LargeStrainWarning,
-            stacklevel=4,
+            stacklevel=6,  # `solve` is called through `warn_of_doubts`, the solution and its decorator
         )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,11 +22,11 @@ from .base.arrays import Floats
 from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
-from .contact_result import ContactResult
+from .contact_result import ContactResult, NodalPressure
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
-from .interface.surface import ContactSurface
+from .interface.surface import PointSurface
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
 
@@ -90,7 +90,7 @@ class Solution:
         self._ensemble, self._state = ensemble, state
         self._displacements: dict[str, fem.Function] = {}
         if not scene.ranks.alone:
-            _ = self._fields  # while all ranks are here: later some may ask and others not
+            _ = self._fields, self.energy  # while all ranks are here: later some may ask and others not
 
     @property
     def converged(self) -> bool:
@@ -116,13 +116,13 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        place = self._place(body)
-        name = self.scene.bodies[place].name
-        if self.scene.bodies[place].mesh is None:
-            return self._fields[place].displacement
+        body_index = self._place(body)
+        name = self.scene.bodies[body_index].name
+        if self.scene.bodies[body_index].mesh is None:
+            return self._fields[body_index].displacement
         if name not in self._displacements:
-            function = fem.Function(self.scene.bodies[place].space, name="displacement")
-            function.x.array[:] = self._fields[place].displacement
+            function = fem.Function(self.scene.bodies[body_index].space, name="displacement")
+            function.x.array[:] = self._fields[body_index].displacement
             self._displacements[name] = function
         return self._displacements[name]
 
@@ -151,21 +151,23 @@ class Solution:
             degree: The degree of exactness of Gauss points at which they are evaluated instead of the contact's own.
 
         Raises:
-            ValueError: The scene has no such contact.
+            ValueError: The scene has no such contact, or `degree` is asked of bodies that have no mesh.
         """
         index = self._contact_index(contact)
         interface, gaps = self.interfaces[index], self._gaps[index]
         pressure, gathered = self._pressure(index), interface.gathered
-        ratio = 0.0 if interface.hard else _stiffness_ratio(interface, gaps, pressure)
-        wavers = ratio > STIFF and interface.unlike
+        stiffness_ratio = partial(_stiffness_ratio, interface, gaps, pressure)
+        wavers = interface.unlike and stiffness_ratio() > STIFF
         if degree is not None:
+            if not any(body.mesh for body, _ in interface.contact.sides):
+                raise ValueError(f"degree = {degree!r}: neither body of the contact has facets; expected None")
             interface = _resampled(interface, degree)
             gaps = interface.gap - self._closed(interface)
             if gathered is None:
                 pressure = _law_pressure(interface, gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
-        return _contact_result(interface, gaps, pressure, ratio, wavers)
+        return _contact_result(interface, gaps, pressure, stiffness_ratio, wavers)
 
     def contact_at(self, other: Interface) -> tuple[Floats, Floats]:
         """The gap (length) and the contact pressure (stress), (points,) each, at the points of the same contact as it
@@ -262,14 +264,14 @@ class Solution:
         """J, the energy of all layers; a hard contact has none."""
         return self._ensemble.layer_energy(self._state) - self._penalty_energy
 
-    @property
+    @cached_property
     def energy(self) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
         return self._ensemble.energy(self._state) - self._penalty_energy
 
     @property
     def _penalty_energy(self) -> float:
-        """What the augmented Lagrangian counts as the energy of hard contacts."""
+        """The energy of hard contacts in the augmented Lagrangian."""
         contacts = zip(self.interfaces, self._state.gaps, strict=True)
         return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
@@ -321,14 +323,14 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        place = self._place(body)
-        parts = self._nodal_forces(place)
-        return {name: self._ensemble.problems[place].dofs.resultant(forces) for name, forces in parts.items()}
+        body_index = self._place(body)
+        parts = self._nodal_forces(body_index)
+        return {name: self._ensemble.problems[body_index].dofs.resultant(forces) for name, forces in parts.items()}
 
-    def _nodal_forces(self, place: int) -> dict[str, Floats]:
+    def _nodal_forces(self, body_index: int) -> dict[str, Floats]:
         """The forces on a body at all its degrees of freedom, (dofs,) each."""
-        problem = self._ensemble.problems[place]
-        loads, contact, fields = problem.dofs.load, self._contact_load(place), self._fields[place]
+        problem = self._ensemble.problems[body_index]
+        loads, contact, fields = problem.dofs.load, self._contact_load(body_index), self._fields[body_index]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
         supports = problem.dofs.reactions(supports) - fields.spring_forces
@@ -342,8 +344,11 @@ class Solution:
         its resultant is rounding.
         """
         sums, sizes = [0.0], [0.0]
-        for place, body in enumerate(self.scene.bodies):
-            forces, resultant = self._nodal_forces(place).values(), self._ensemble.problems[place].dofs.resultant
+        for body_index, body in enumerate(self.scene.bodies):
+            forces, resultant = (
+                self._nodal_forces(body_index).values(),
+                self._ensemble.problems[body_index].dofs.resultant,
+            )
             sums.append(float(np.linalg.norm(resultant(np.sum(list(forces), axis=0)))))
             for force in forces:
                 vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
@@ -359,8 +364,8 @@ class Solution:
         the residual is ‖F₁'(u)‖ itself.
         """
         total = contacts = 0.0
-        for place, problem in enumerate(self._ensemble.problems):
-            contact, elastic = self._contact_load(place), self._fields[place].elastic_forces
+        for i, problem in enumerate(self._ensemble.problems):
+            contact, elastic = self._contact_load(i), self._fields[i].elastic_forces
             total += float(np.sum(problem.dofs.free_forces(problem.dofs.load + contact - elastic) ** 2))
             contacts += float(np.sum(problem.dofs.free_forces(contact) ** 2))
         scale = self._ensemble.at_work(float(np.sqrt(contacts)))
@@ -393,12 +398,12 @@ class Solution:
     @property
     def largest_strain(self) -> float:
         """The largest principal strain, in absolute value, at the middles of all cells."""
-        return max(size.strain for size in self.strain_sizes)
+        return max((size.strain for size in self.strain_sizes), default=0.0)
 
     @property
     def largest_rotation(self) -> float:
         """The largest rotation (rad) at the middles of all cells."""
-        return max(size.rotation for size in self.strain_sizes)
+        return max((size.rotation for size in self.strain_sizes), default=0.0)
 
     def warn_of_large_strains(self) -> None:
         """Warn (`LargeStrainWarning`) where linear theory is doubtful; look closer only where contacts hint at it."""
@@ -429,13 +434,17 @@ class Solution:
         """
         from .view.body_plot import plot_bodies
 
-        return plot_bodies([self.body(body) for body in bodies or self._with_mesh()], **options)
+        drawn = bodies or self._with_mesh()
+        if not drawn:
+            raise ValueError(f"bodies = {bodies!r}: no body of the scene has a mesh; expected one that can be drawn")
+        return plot_bodies([self.body(body) for body in drawn], **options)
 
     def plot(self) -> list[Any]:
         """The pictures of the deformed bodies and of every contact; in a notebook they are shown."""
         from .view.picture import show
 
-        pictures = [self.plot_bodies(), *(self.plot_contact(contact) for contact in self.scene.contacts)]
+        bodies = [self.plot_bodies()] if self._with_mesh() else []
+        pictures = [*bodies, *(self.plot_contact(contact) for contact in self.scene.contacts)]
         show(pictures)
         return pictures
 
@@ -518,8 +527,9 @@ class Solution:
         lines.append(
             f"  energy F₁ {self.energy:.8g}, weak residual {self.residual:.1e}, imbalance {self.imbalance:.1e}"
         )
-        largest = max(self.strain_sizes, key=lambda size: max(size.strain, size.rotation))
-        if largest.doubtful:
+        doubtful = [size for size in self.strain_sizes if size.doubtful]
+        if doubtful:
+            largest = max(doubtful, key=lambda size: max(size.strain, size.rotation))
             lines.append(f"  linear theory is doubtful here: {largest}")
         return "\n".join(lines)
 
@@ -537,9 +547,9 @@ class Solution:
         """The bodies' solutions, recovered from the condensed unknowns when first asked for."""
         ensemble, state = self._ensemble, self._state
 
-        def of(place: int) -> Fields:
-            part = ensemble.parts[place]
-            return ensemble.problems[place].fields(state.unknowns[part], state.deformation[part])
+        def of(body_index: int) -> Fields:
+            part = ensemble.parts[body_index]
+            return ensemble.problems[body_index].fields(state.unknowns[part], state.deformation[part])
 
         return self._settled(self.scene.ranks.each(of))
 
@@ -549,10 +559,10 @@ class Solution:
         Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
         """
         motions = self._ensemble.rigid
-        if motions.modes.shape[1] == 0 or motions.kernel.shape[1] == 0:
+        if motions.modes.shape[1] == 0 or motions.unresisted.shape[1] == 0:
             return fields
         moves = []
-        parts = motions.by_owner(motions.kernel)
+        parts = motions.by_owner(motions.unresisted)
         for problem, owner, part in zip(self._ensemble.problems, motions.owners, parts, strict=True):
             moves.append(problem.dofs.rigid_displacements(owner.coefficients @ part))
         drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
@@ -568,9 +578,9 @@ class Solution:
             told = [side.trace @ self._fields[side.body].displacement for side in interface.sides]
         return told[0] + told[1]
 
-    def _contact_load(self, place: int) -> Floats:
+    def _contact_load(self, body_index: int) -> Floats:
         """∫ g⁻(z) v_n over all contacts of a body, for every degree of freedom."""
-        problem = self._ensemble.problems[place]
+        problem = self._ensemble.problems[body_index]
         tractions = self._ensemble.by_interface(self._ensemble.tractions(self._state))
         total = np.zeros_like(problem.dofs.load)
         for port in problem.traces:
@@ -585,7 +595,7 @@ class Solution:
 
 
 def _passed(interface: Interface, gaps: Floats) -> str:
-    """Where the compression has passed the limit up to which the layer's law is known; empty if nowhere."""
+    """The note on a contact whose layer is compressed beyond the limit of its law; empty if there is none."""
     contact, limit = interface.contact, interface.layer.compression_limit
     if limit is math.inf:
         return ""
@@ -613,38 +623,50 @@ def _resampled(interface: Interface, degree: int) -> Interface:
     return discretise(contact, (first.body, second.body), interface.facets, split)
 
 
-def _contact_result(interface: Interface, gaps: Floats, pressure: Floats, ratio: float, wavers: bool) -> ContactResult:
-    """The result at an interface's points; ratio: k h/E of the layer where it presses; wavers: whether its pressure
-    does."""
-    meshed = next(side.surface for side in interface.sides if isinstance(side.surface, ContactSurface))
-    if interface.gathered is None:
-        nodal = interface.functions.projected(pressure, interface.weights)
-        node_x, projected = interface.functions.x, interface.functions.at_values @ nodal
-    else:
-        node_x, projected, nodal = interface.x, pressure, pressure
+def _corners(interface: Interface) -> Any:
+    """What tells the corners of facets: those of the meshed surface, or between the points of a body without a mesh."""
+    surfaces = [side.surface for side in interface.sides]
+    meshed = next((surface for surface in surfaces if not isinstance(surface, PointSurface)), None)
+    if meshed is not None:
+        return lambda: meshed.corners
+    return next((surface.corners for surface in surfaces if surface.corners is not None), None)
+
+
+def _contact_result(
+    interface: Interface, gaps: Floats, pressure: Floats, stiffness_ratio: Callable[[], float], wavers: bool
+) -> ContactResult:
+    """The result at an interface's points; wavers: whether its pressure does."""
+
+    def nodal() -> NodalPressure:
+        if interface.gathered is None:
+            values = interface.functions.projected(pressure, interface.weights)
+            at_points = interface.functions.at_values @ values
+            return NodalPressure(interface.functions.x, values, at_points, stiffness_ratio())
+        return NodalPressure(interface.x, pressure, pressure, stiffness_ratio())
+
+    found: Any = nodal() if wavers else nodal
     return ContactResult(
         interface.x,
         interface.normal,
         interface.weights,
         gaps,
         np.minimum(gaps, 0.0),
-        projected if wavers else pressure,
-        interface.unmatched,
+        found.at_points if wavers else pressure,
+        interface.unpaired_area,
         interface.gap,
-        meshed.corners,
-        meshed.body.kinematics.axisymmetric,
+        _corners(interface),
+        interface.contact.sides[0][0].kinematics.axisymmetric,
         pressure,
-        projected,
-        node_x,
-        nodal,
-        ratio,
         wavers,
         interface.hard,
+        found,
     )
 
 
 def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> float:
-    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets."""
+    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets; 0 without a layer."""
+    if interface.hard:
+        return 0.0
     pressing = pressure > 0.0
     shares = interface.weights[pressing] * pressure[pressing]
     stiffness = interface.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary

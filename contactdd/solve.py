@@ -6,7 +6,6 @@ import itertools
 import math
 import os
 import time
-import warnings
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import nullcontext
 from functools import wraps
@@ -16,7 +15,8 @@ from typing import ParamSpec
 import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
-from .errors import ContactWarning, LayerRangeWarning, NoEquilibriumError, NotConvergedError
+from .doubts import warn_of_doubts
+from .errors import NoEquilibriumError, NotConvergedError
 from .hard_contact import HardContact
 from .history import Record
 from .iteration.augmented import AugmentedRun
@@ -25,7 +25,7 @@ from .iteration.interruption import interrupts_agreed
 from .iteration.progress import Progress
 from .iteration.run import Run
 from .iteration.step import find_step
-from .iteration.stopping import StoppingCriterion
+from .iteration.stopping import StoppingCriterion, Termination
 from .scene import Scene
 from .scheme import Scheme, find_scheme
 from .solution import Solution
@@ -37,7 +37,7 @@ Gamma = float | Iterable[float] | Callable[[int], float] | str
 P = ParamSpec("P")
 
 
-#: γ of the decomposed methods if nothing is said: the paper's best.
+#: The default γ of the decomposed methods: the paper's best.
 BEST_GAMMA = 0.6
 
 #: Largest uncertainty of the gap behind curved facets, relative to the layer's compression, without a warning.
@@ -158,71 +158,56 @@ def solve(
         ends = {"time_limit": time_limit, "on_failure": on_failure, "resume": resume}
         way = {"method": f"{scheme.name}, {scheme.step}", "local_solver": local_solver}
         refuse_differences(scene, way | given | limits | ends)
-    hard = any(isinstance(contact.layer, HardContact) for contact in scene.contacts)
-    if hard and file is not None:
+    if file is not None and _is_hard(scene):
         raise ValueError(f"checkpoint = {checkpoint!r}: hard contacts' multipliers are not kept; expected None")
-    problems, interfaces = scene.local_problems(local_solver), scene.interfaces
-    if hard and scheme.decomposed:
-        interfaces = [interface.decomposed() for interface in interfaces]
-    ensemble = Ensemble(problems, interfaces)
+    ensemble = _ensemble(scene, scheme, local_solver)
     step = find_step(scheme, ensemble, ranks)
     run: Run | AugmentedRun
     if file is not None and resume and ranks.once(file.exists):
         run = Run(ensemble, ranks, scheme, step, *read(file, ensemble, scheme.name, ranks))
     else:
         first = _start(ensemble, scene, scheme, gamma, start, previous)
-        run = (AugmentedRun if hard else Run)(ensemble, ranks, scheme, step, first)
-    keeper = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
-    with Progress(shown, rule.tolerance, rule.criterion) as bar, keeper or nullcontext():
+        run = (AugmentedRun if _is_hard(scene) else Run)(ensemble, ranks, scheme, step, first)
+    writer = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
+    with Progress(shown, rule.tolerance, rule.criterion) as bar, writer or nullcontext():
         deadline = time.monotonic() + seconds
 
         def observe(record: Record) -> bool:
             bar.update(record)
-            if keeper is not None:
-                keeper.update()
+            if writer is not None:
+                writer.update()
             return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
 
         ending = run.iterate(relaxation, rule, observe)
-    spent = time.process_time() - began
-    solution = Solution(
-        scene, ensemble, run.state, run.history, ending.status, ending.reason, scheme.name, local_solver, spent
-    )
-    _warn_of_facets(solution)
-    _warn_of_notes(solution)
-    if on_failure == "raise" and ending.status not in ("converged", "stopped"):
-        if ending.escape is not None:
-            raise NoEquilibriumError(ending.escape.body, ending.escape.motion, solution, ending.escape.advice)
-        raise NotConvergedError(ending.status, ending.reason, solution)
-    if solution.converged:
-        solution.warn_of_large_strains()
+    end, spent = (ending.status, ending.reason, scheme.name), time.process_time() - began
+    solution = Solution(scene, ensemble, run.state, run.history, *end, local_solver, spent)
+    warn_of_doubts(solution)
+    if on_failure == "raise":
+        _raise_failure(solution, ending)
     return solution
 
 
-def _warn_of_facets(solution: Solution) -> None:
-    """Warn where the uncertainty of the gap behind facets is not small compared with the layer's compression."""
-    for interface in solution.interfaces:
-        if interface.doubt is not None and solution.scene.ranks.comm.rank == 0:
-            result = solution.contact(interface.contact.name)
-            near = np.flatnonzero((interface.doubt > 0.0) & (result.gap < interface.doubt))
-            doubt = float(interface.doubt[near].mean()) if len(near) else 0.0
-            pressed = result.pressure / interface.facet_stiffness if interface.hard else -result.compression
-            compression = float(pressed[near].mean()) if len(near) else 0.0
-            if doubt > DOUBTFUL * compression:
-                warnings.warn(
-                    f"contact {interface.contact.name!r}: where the surfaces touch or nearly do, their facets do not "
-                    f"tell what curved surface is meant, if any is: the gap may be off by {doubt:.3g}, while the layer "
-                    f"is compressed by {compression:.3g}; a finer mesh, one of second order, facets that match, or "
-                    "measure_gap=False with the gap given would tell",
-                    ContactWarning,
-                    stacklevel=3,
-                )
+def _is_hard(scene: Scene) -> bool:
+    """Whether a contact of the scene has no layer."""
+    return any(isinstance(contact.layer, HardContact) for contact in scene.contacts)
 
 
-def _warn_of_notes(solution: Solution) -> None:
-    """Warn where a layer is compressed further than its law is known."""
-    if solution.converged and solution.scene.ranks.comm.rank == 0:
-        for note in solution.notes:
-            warnings.warn(note, LayerRangeWarning, stacklevel=3)
+def _ensemble(scene: Scene, scheme: Scheme, local_solver: str) -> Ensemble:
+    """All bodies of the scene as one, with the contacts as the scheme needs them."""
+    problems, interfaces = scene.local_problems(local_solver), scene.interfaces
+    if scheme.decomposed and _is_hard(scene):
+        interfaces = [interface.decomposed() for interface in interfaces]
+    return Ensemble(problems, interfaces)
+
+
+def _raise_failure(solution: Solution, ending: Termination) -> None:
+    """Raise what a run without a solution has ended in."""
+    if ending.status in ("converged", "stopped"):
+        return
+    if ending.unbounded_motion is not None:
+        loose = ending.unbounded_motion
+        raise NoEquilibriumError(loose.body, loose.motion, solution, loose.advice)
+    raise NotConvergedError(ending.status, ending.reason, solution)
 
 
 def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> StoppingCriterion:

@@ -14,7 +14,7 @@ import nbformat
 import pytest
 
 ROOT = Path(__file__).parents[1]
-SCENES = ["groove", "groove_short", "three_bodies", "stack", "grooved_block_3d", "cylinder", "anisotropic"]
+SCENES = ["groove", "groove_short", "three_bodies", "stack", "grooved_block_3d", "cylinder", "anisotropic", "indenters"]
 
 
 def run(demo: str, out: Path, *options: str) -> dict | list:

@@ -87,3 +87,16 @@ def test_the_first_sentence_stands_alone(name, thing):
     """Tools show the first line by itself: it ends in a full stop and is no fragment of a list."""
     first = inspect.cleandoc(thing.__doc__).split("\n\n")[0]
     assert first.endswith("."), name
+
+
+#: Text in double backticks, and inline markup without an end: a substitution |…|, or *… before a letter.
+LITERAL, MARKUP = re.compile(r"``.*?``", re.DOTALL), re.compile(r"\|[^\s|][^|\n]*\||(?<![\w*)])\*[A-Za-z]")
+
+
+@pytest.mark.parametrize(("name", "thing"), list(public()), ids=[name for name, _ in public()])
+def test_formulas_are_no_markup(name, thing):
+    """The bars of |w| and a leading asterisk are markup to tools that render docstrings, unless they are literals."""
+    functions = [function for _, function in members(thing)] if inspect.isclass(thing) else []
+    for each in (thing, *functions):
+        prose = re.sub(r"^ *(>>>|\.\.\.).*$", "", inspect.getdoc(each) or "", flags=re.MULTILINE)
+        assert not MARKUP.findall(LITERAL.sub("", prose)), f"{name}: {each}"

@@ -248,7 +248,7 @@ def test_refusals():
         solution.scene.with_bodies({"middle": solution.scene.bodies[0]})
     with pytest.raises(TypeError, match="'lower' is 3; expected a body"):
         solution.scene.with_bodies({"lower": 3})
-    with pytest.raises(ValueError, match="contact = 'x': expected a place or one of 'lower-upper'"):
+    with pytest.raises(ValueError, match="contact = 'x': expected an index or one of 'lower-upper'"):
         cd.error_estimate(solution).contact("x")
 
 

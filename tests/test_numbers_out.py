@@ -127,7 +127,7 @@ def test_points_outside_are_refused(uniform):
         uniform.contact().at([1.0, 2.0, 3.0])
     with pytest.raises(ValueError, match="1 of 2 are outside of body 'lower'"):
         uniform.displacement_at("lower", [[1.0, 0.5], [1.0, 1.5]])
-    with pytest.raises(ValueError, match="expected a place or one of 'lower-upper'"):
+    with pytest.raises(ValueError, match="expected an index or one of 'lower-upper'"):
         uniform.contact("lower")
 
 

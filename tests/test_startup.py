@@ -49,6 +49,7 @@ def test_import_brings_nothing_that_solving_does_not_use():
     heavy = {"scipy.sparse", "scipy.optimize", "scipy.interpolate", "scipy.spatial", "matplotlib", "pyvista", "gmsh"}
     assert heavy & (after - before) == set()
     assert "contactdd.reference" not in after
+    assert not {f"contactdd.{name}" for name in ("rigid_body", "half_space", "influence", "shapes")} & after
 
 
 def test_reference_is_there_when_asked_for():

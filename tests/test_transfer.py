@@ -554,7 +554,7 @@ def test_a_part_out_of_reach_is_outside_the_contact():
     upper = moved(cd.rectangle((0, 1), (4, 2), (40, 3)), lambda x: x + np.outer(x[:, 0] / 4, [0, 1.0]))
     whole, near = (two(cd.rectangle(*LOWER), upper, search_distance=d).interfaces[0] for d in (None, 0.5))
     assert np.abs(near.gap).max() < 0.5 + 0.03  # segments are kept or not as a whole
-    assert near.unmatched[0] == pytest.approx(2.0, abs=0.3)
+    assert near.unpaired_area[0] == pytest.approx(2.0, abs=0.3)
     assert near.weights.sum() < 0.6 * whole.weights.sum()
 
 
@@ -568,7 +568,8 @@ def test_a_surface_behind_another_is_refused():
     )
     with pytest.raises(cd.MeshMismatchError, match=r"two partners, one behind the other.*search_distance"):
         two(cd.rectangle(*LOWER), shelves, search_distance=2.0).interfaces  # noqa: B018
-    assert two(cd.rectangle(*LOWER), shelves, search_distance=0.4).interfaces[0].unmatched == pytest.approx((0, 4.0))
+    far = two(cd.rectangle(*LOWER), shelves, search_distance=0.4).interfaces[0]
+    assert far.unpaired_area == pytest.approx((0, 4.0))
 
 
 def test_the_vertex_rule_needs_matching_meshes():

@@ -60,7 +60,7 @@ def as_bool(name: str, value: Any) -> bool:
 
 
 def as_floats(name: str, value: Any, expected: str) -> np.ndarray:
-    """`value` as an array of floats, refused if it is anything else; of what shape and whether finite is not asked."""
+    """`value` as a float array; TypeError if it cannot be one. Shape and finiteness are not checked."""
     try:
         array = np.asarray(value)
         if array.dtype.kind in "SUc":  # numpy would read a number in a text, and forget imaginary parts
@@ -71,7 +71,7 @@ def as_floats(name: str, value: Any, expected: str) -> np.ndarray:
 
 
 def check_vector(name: str, value: Any, dim: int) -> None:
-    """Refuse what is no vector of `dim` finite numbers."""
+    """Refuse anything but a vector of `dim` finite numbers."""
     expected = f"{dim} finite numbers"
     array = as_floats(name, value, expected)
     if array.shape != (dim,) or not np.all(np.isfinite(array)):

@@ -49,7 +49,7 @@ TIMEOUT = 120
 
 
 def facet_submesh(domain: dmesh.Mesh, facets: NDArray[np.int32]) -> tuple[dmesh.Mesh, NDArray[np.int32], Any]:
-    """The mesh of the given facets, the parent facet of each of its cells, and the map that `form` wants."""
+    """The mesh of the given facets, the parent facet of each of its cells, and the entity map for `form`."""
     dim = domain.topology.dim - 1
     submesh, entity_map, _, _ = dmesh.create_submesh(domain, dim, facets)
     if HAS_ENTITY_MAP:
@@ -119,7 +119,7 @@ def structured(
 
 
 def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
-    """The space of a basix element, as `fem.functionspace` makes it, which looks up what is the same for all meshes."""
+    """The space of a basix element, as of `fem.functionspace`, without its searches for what all meshes share."""
     own = _finite_element(domain.topology.cell_type, element)
     dofmap = cpp.fem.create_dofmap(domain.comm, domain.topology._cpp_object, own)
     shape = (element.reference_value_shape,) if VERSION < (0, 10) else ()
@@ -127,7 +127,7 @@ def function_space(domain: dmesh.Mesh, element: Any) -> fem.FunctionSpace:
 
 
 def with_cell(element: Any) -> Any:
-    """The same basix element with its UFL cell: others make a new one, which is slow, whenever UFL asks."""
+    """The same basix element with its `cell` stored: basix builds it anew at every access."""
 
     class WithCell(type(element)):  # type: ignore[misc]
         cell = element.cell
@@ -150,7 +150,7 @@ def _finite_element(cell: dmesh.CellType, element: Any) -> Any:
 
 
 def _sample(cell: dmesh.CellType) -> dmesh.Mesh:
-    """A smallest mesh, from which to take what is the same for all meshes of a cell type. Itself it is not kept."""
+    """A smallest mesh, whose objects for a cell type are shared by all meshes; the mesh itself is not kept."""
     if dmesh.cell_dim(cell) == 2:
         return dmesh.create_unit_square(MPI.COMM_SELF, 1, 1, cell)
     return dmesh.create_unit_cube(MPI.COMM_SELF, 1, 1, 1, cell)
@@ -183,5 +183,5 @@ def coordinate_element(shape: str, degree: int) -> Any:
 
 
 def from_gmsh_order(shape: str, nodes: int) -> NDArray[np.int64]:
-    """Which of gmsh's nodes of a cell are dolfinx', `dolfinx = gmsh[order]`."""
+    """The order of gmsh's nodes of a cell that is dolfinx's: `dolfinx = gmsh[order]`."""
     return np.array(cpp.io.perm_gmsh(dmesh.CellType[shape], nodes), dtype=np.int64)

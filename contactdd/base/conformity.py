@@ -1,4 +1,4 @@
-"""How the cells of a mesh hang together, found from plain arrays: shared facets, loose pieces, hanging nodes.
+"""The conformity of meshes, from plain arrays: shared facets, loose pieces, hanging nodes.
 
 Corners of cells are counted as basix counts them.
 """
@@ -78,11 +78,11 @@ def _between(x: Floats, edge: Integers, nodes: Integers) -> Integers:
     """Those of some nodes that lie inside an edge, from its start to its end."""
     along = x[edge[1]] - x[edge[0]]
     offset = x[nodes] - x[edge[0]]
-    place = offset @ along / (along @ along)
-    away = np.linalg.norm(offset - place[:, None] * along, axis=1)
+    position = offset @ along / (along @ along)
+    away = np.linalg.norm(offset - position[:, None] * along, axis=1)
     # Files may have rounded coordinates to seven digits.
-    inside = (away <= 1e-6 * np.linalg.norm(along)) & (place > 1e-6) & (place < 1 - 1e-6)
-    return nodes[inside][np.argsort(place[inside])]
+    inside = (away <= 1e-6 * np.linalg.norm(along)) & (position > 1e-6) & (position < 1 - 1e-6)
+    return nodes[inside][np.argsort(position[inside])]
 
 
 def _chain(inside: Integers, edge: Integers, known: set[tuple[int, int]]) -> Iterator[int]:

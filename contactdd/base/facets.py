@@ -131,7 +131,7 @@ def _tabulated(element: Any, local: NDArray[np.integer[Any]], points: Floats) ->
 
 @cache
 def _rule_table(element: Any, rule: bytes) -> tuple[Floats, Floats]:
-    """What `_tabulated` gives at the points of a rule, their bytes, on every facet of the cell: (f, p, ...) each."""
+    """`_tabulated` at a rule's points (as bytes, so that it can be cached), for every facet: (f, p, ...) each."""
     facets, dim = _reference_facets(element.cell_type).origins.shape
     points = np.frombuffer(rule).reshape(-1, dim - 1)
     local = np.repeat(np.arange(facets), len(points))

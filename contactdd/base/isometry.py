@@ -51,12 +51,13 @@ def isometry_between(x: Floats, y: Floats) -> Isometry | None:
     """The isometry that takes points x (n, dim) to y (n, dim), one by one, to the rounding of their coordinates."""
     if x.shape != y.shape:
         return None
+    # Seen from the first point every component is the same, or, mirrored, the opposite.
+    here, there = x - x[0], y - y[0]
+    signs = np.where(np.einsum("ni,ni->i", here, there) < 0.0, -1.0, 1.0)
     rounding = ROUNDING * max(float(np.abs(x).max()), float(np.abs(y).max()))
-    apart, together = y - x, y + x
-    moved = np.ptp(apart, axis=0) <= rounding
-    if not np.all(moved | (np.ptp(together, axis=0) <= rounding)):
+    if np.abs(there - signs * here).max() > rounding:
         return None
-    return Isometry(np.where(moved, 1.0, -1.0), np.where(moved, apart[0], together[0]))
+    return Isometry(signs, y[0] - signs * x[0])
 
 
 def turned(tensor: Floats, signs: Floats) -> Floats:

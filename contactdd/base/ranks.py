@@ -23,7 +23,7 @@ from .arrays import Floats
 T = TypeVar("T")
 
 
-#: The kind of message that a rank sends instead of the one that is waited for.
+#: The kind of message of a rank that has failed, instead of the one expected.
 FAILED = "failed"
 
 
@@ -46,26 +46,28 @@ class Ranks:
         self.teams = deal_out(comm.size, work)
         self._team: MPI.Comm = MPI.COMM_SELF
         if comm.size > len(work):
-            place = next(place for place, team in enumerate(self.teams) if comm.rank in team)
-            self._team = comm.Split(place, comm.rank)
+            body_index = next(i for i, team in enumerate(self.teams) if comm.rank in team)
+            self._team = comm.Split(body_index, comm.rank)
 
     @property
     def alone(self) -> bool:
         """Whether there is only one rank."""
         return self.comm.size == 1
 
-    def owns(self, place: int) -> bool:
-        """Whether this rank holds the body."""
-        return self.comm.rank in self.teams[place]
+    def owns(self, body_index: int) -> bool:
+        """Whether this rank holds a body."""
+        return self.comm.rank in self.teams[body_index]
 
-    def team(self, place: int) -> MPI.Comm:
+    def team(self, body_index: int) -> MPI.Comm:
         """The ranks that hold a body; to be asked by one of them."""
-        return self._team if len(self.teams[place]) > 1 else MPI.COMM_SELF
+        return self._team if len(self.teams[body_index]) > 1 else MPI.COMM_SELF
 
     @contextmanager
     def together(self) -> Iterator[None]:
-        """What all ranks do, to its end or to none: an exception of one of them, wherever it comes from, is raised on
-        all. Costs one exchange at the end; nothing where there is one rank."""
+        """A block that all ranks finish or none: an exception of one of them, wherever it comes from, is raised on all.
+
+        It costs one exchange at the end; nothing on a single rank.
+        """
         if self.alone:
             yield
             return
@@ -94,22 +96,22 @@ class Ranks:
         return [value] if self.alone else self._gathered("gather", value)
 
     def each(self, make: Callable[[int], T]) -> list[T]:
-        """make(place) of every body, each made by its team, known to all. An error of one rank is raised on all."""
-        places = range(len(self.teams))
+        """make(body_index) of all bodies, each made by its team, for all ranks; an error of one is raised on all."""
+        bodies = range(len(self.teams))
         if self.alone:
-            return [make(place) for place in places]
+            return [make(body_index) for body_index in bodies]
         made: list[tuple[int, Any]] = []
         failed: Exception | None = None
         try:
-            made = [(place, make(place)) for place in places if self.owns(place)]
+            made = [(body_index, make(body_index)) for body_index in bodies if self.owns(body_index)]
         except Exception as error:
             failed = error
-        spoken = [(place, value) for place, value in made if self.teams[place][0] == self.comm.rank]
+        spoken = [(body_index, value) for body_index, value in made if self.teams[body_index][0] == self.comm.rank]
         gathered = self._gathered("each", spoken, failed)
         return [value for _, value in sorted((pair for part in gathered for pair in part), key=lambda pair: pair[0])]
 
     def once(self, make: Callable[[], T]) -> T:
-        """What the first rank makes, known to all; an error of it is raised on all."""
+        """The value made by the first rank, on all ranks; an error of it is raised on all."""
         if self.alone:
             return make()
         made: Any = None
@@ -128,7 +130,7 @@ class Ranks:
         return array
 
     def any_says(self, reason: str) -> str:
-        """What the ranks say: the first text that is not empty, "" where there is none. All have to ask."""
+        """The first text of all ranks that is not empty, "" if there is none. Collective."""
         return next(filter(None, self.gather(reason)), "")
 
     def agree(self, value: T) -> T:
@@ -144,10 +146,10 @@ class Ranks:
         for one, depth, _, error in messages:
             if one == FAILED:
                 raise _EndedElsewhere(error, depth)
-        places = [message[:2] for message in messages]
-        if any(place != places[0] for place in places):
-            error = RuntimeError(f"the ranks have gone different ways, {places}; expected the same solves on all")
-            raise _EndedElsewhere(error, min(depth for _, depth in places))
+        positions = [message[:2] for message in messages]
+        if any(position != positions[0] for position in positions):
+            error = RuntimeError(f"the ranks have gone different ways, {positions}; expected the same solves on all")
+            raise _EndedElsewhere(error, min(depth for _, depth in positions))
         for *_, error in messages:
             if error is not None:
                 raise error
@@ -192,12 +194,12 @@ def deal_out(ranks: int, work: Sequence[float]) -> list[list[int]]:
     teams: list[list[int]] = [[] for _ in range(bodies)]
     if ranks <= bodies:
         load = np.zeros(ranks)
-        for place in np.argsort(work, kind="stable")[::-1]:
+        for body in np.argsort(work, kind="stable")[::-1]:
             rank = int(np.argmin(load))
-            teams[place] = [rank]
-            load[rank] += work[place]
+            teams[body] = [rank]
+            load[rank] += work[body]
         return teams
     for rank in range(ranks):
-        place = rank if rank < bodies else int(np.argmax([w / len(team) for w, team in zip(work, teams, strict=True)]))
-        teams[place].append(rank)
+        body = rank if rank < bodies else int(np.argmax([w / len(team) for w, team in zip(work, teams, strict=True)]))
+        teams[body].append(rank)
     return teams

@@ -19,9 +19,9 @@ def stacked(operators: Sequence[Operator]) -> Operator:
 
 
 def product_map(trace: Operator, weights: Floats) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
-    """Where the entries of traceᵀ diag(weights φ) trace stand in the flattened matrix, and the operator from φ to them.
+    """The positions of the entries of traceᵀ diag(weights φ) trace in the flattened matrix, and the operator from φ.
 
-    For values that change in every step at places that never do.
+    For values that change in every step at positions that never do.
     """
     trace = scipy.sparse.csr_matrix(trace)
     counts = np.diff(trace.indptr)
@@ -29,9 +29,9 @@ def product_map(trace: Operator, weights: Floats) -> tuple[NDArray[np.intp], sci
     start = np.repeat(trace.indptr[:-1], counts**2)
     local = np.arange(len(point)) - np.repeat(np.cumsum(counts**2) - counts**2, counts**2)
     i, j = start + local // counts[point], start + local % counts[point]
-    places, entry = np.unique(trace.indices[i] * np.int64(trace.shape[1]) + trace.indices[j], return_inverse=True)
+    positions, entry = np.unique(trace.indices[i] * np.int64(trace.shape[1]) + trace.indices[j], return_inverse=True)
     values = trace.data[i] * trace.data[j] * weights[point]
-    return places, scipy.sparse.csr_matrix((values, (entry, point)), shape=(len(places), len(counts)))
+    return positions, scipy.sparse.csr_matrix((values, (entry, point)), shape=(len(positions), len(counts)))
 
 
 def entry_positions(matrix: scipy.sparse.csr_matrix, term: scipy.sparse.csr_matrix) -> NDArray[np.intp]:

@@ -38,7 +38,7 @@ def frame(columns: Columns) -> Any:
 def vector_columns(name: str, values: Floats) -> dict[str, Floats]:
     """The components of vectors (n, 2) or (n, 3) as columns `name_x`, `name_y`, …; `x`, `y`, … without a name."""
     prefix = f"{name}_" if name else ""
-    return {prefix + axis: values[:, place] for place, axis in enumerate("xyz"[: values.shape[1]])}
+    return {prefix + axis: values[:, column] for column, axis in enumerate("xyz"[: values.shape[1]])}
 
 
 def numbered_columns(name: str, values: Floats) -> dict[str, Floats]:
@@ -46,4 +46,4 @@ def numbered_columns(name: str, values: Floats) -> dict[str, Floats]:
     if values.ndim == 1:
         return {name: values}
     flat = values.reshape(len(values), -1)
-    return {f"{name}_{place}": flat[:, place] for place in range(flat.shape[1])}
+    return {f"{name}_{column}": flat[:, column] for column in range(flat.shape[1])}

@@ -191,7 +191,7 @@ class Contents:
         return np.searchsorted(self.numbers, nodes)
 
     def _on_cells(self, rows: Integers) -> NDArray[np.bool_]:
-        """Which of some facets (facets, corners) are the side of a cell, whatever its kind and group."""
+        """The mask of facets (facets, corners) that are the side of a cell, whatever its kind and group."""
         all_sides = self._all_sides.get(rows.shape[1])
         if all_sides is None:
             return np.zeros(len(rows), dtype=bool)

@@ -75,7 +75,7 @@ class _Card:
 
 
 def read(path: Path, dim: int | None) -> Contents:
-    """What a deck holds. Names are in capitals, since decks do not tell them from small letters."""
+    """The contents of a deck. Names are in capitals, since decks do not tell them from small letters."""
     deck = _Deck(f"path = {str(path)!r}: the deck")
     for card in _cards(_lines(path, ())):
         _take(deck, card)

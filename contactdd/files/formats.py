@@ -1,11 +1,11 @@
-"""Which format a file is in, told by how it begins, and what to do with one that is not read here."""
+"""The format of a file, from its first bytes, and advice for formats that are not read here."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-#: What begins a file of each format, looked for in this order in its first bytes, blanks at the start left out.
+#: The beginning of a file of each format, compared in this order with its first bytes after blanks.
 BEGINNINGS: tuple[tuple[str, str], ...] = (
     ("gmsh mesh", r"\$(MeshFormat|NOD|Comments|PhysicalNames)\b"),
     ("Medit mesh", r"MeshVersionFormatted"),
@@ -24,7 +24,7 @@ BEGINNINGS: tuple[tuple[str, str], ...] = (
     ("Nastran deck", r"(\$.*\n\s*)*(SOL\b|CEND|BEGIN BULK|ID |INIT |NASTRAN |GRID|CTRIA3|CORD2R|MAT1)"),
 )
 
-#: Formats that are known by how the file's name ends, where its beginning says nothing.
+#: Formats known by the end of the file's name, where its first bytes are not characteristic.
 ENDINGS = {
     ".geo": "gmsh script",
     ".bdf": "Nastran deck",
@@ -38,7 +38,7 @@ ENDINGS = {
     ".rmed": "MED file",
 }
 
-#: What to do with a file that cannot be read here.
+#: Advice on files that cannot be read here.
 WAYS = {
     "Medit mesh": "open it in gmsh and save it as .msh",
     "MFEM mesh": "MFEM's PrintVTK and meshio, or the gmsh mesh that it was made from, give a .msh file",

@@ -20,7 +20,7 @@ from ..mesh import Mesh
 from .contents import Block, Contents, in_order, merged
 from .kinds import Kind
 
-#: How often words that gmsh's parser has kept are thrown away: a refused script leaves a few buffers of them.
+#: Blank scripts with which the words kept by gmsh's parser are cleared: a refused script leaves a few buffers of them.
 ATTEMPTS = 100
 
 

@@ -24,7 +24,7 @@ class Kind(NamedTuple):
 
     @property
     def corners(self) -> int:
-        """How many corners there are."""
+        """The number of corners."""
         return CORNERS[self.shape]
 
 
@@ -115,6 +115,6 @@ def _face_edges() -> Integers:
 
 
 def edge_order(shape: str, edges: tuple[tuple[int, int], ...]) -> Integers:
-    """Which of a program's middle nodes, counted along `edges`, are gmsh's: `gmsh = theirs[edge_order]`."""
+    """The order of a program's middle nodes, counted along `edges`, that is gmsh's: `gmsh = theirs[edge_order]`."""
     sets = [set(edge) for edge in edges]
     return np.array([sets.index(set(edge)) for edge in EDGES[shape]])

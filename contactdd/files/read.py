@@ -53,7 +53,7 @@ def read_mesh(
 
     Args:
         path: The path of the file; its first bytes tell the format.
-        body: The group of cells to take: a physical group of gmsh, an *ELSET of a deck (in capitals), a group of
+        body: The group of cells to take: a physical group of gmsh, an ``*ELSET`` of a deck (in capitals), a group of
             elements. By default all cells; of gmsh's files those in groups, if there are such.
         dim: 2 or 3; by default 3 if there are solid cells.
         order: The degree of the geometry made from a .geo script.

@@ -55,7 +55,7 @@ class _Read:
 
 
 def read(path: Path, dim: int | None) -> Contents:
-    """What a universal file holds; datasets of other numbers are passed over."""
+    """The contents of a universal file; datasets of other numbers are passed over."""
     source, found = f"path = {str(path)!r}: the file", _Read()
     for number, lines in _datasets(path.read_text(encoding="latin-1").splitlines()):
         try:

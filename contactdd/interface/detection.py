@@ -1,4 +1,4 @@
-"""Which facets of two surfaces may lie opposite each other: a bounding-volume tree over each, descended together.
+"""Contact detection: facets of two surfaces that may lie opposite each other, by a bounding-volume tree over each.
 
 Sound and, but for a few near misses, tight: no pair of facets that overlaps along its common normal is left out,
 however unlike the facets' sizes, curved the surfaces or wide the gap between them.

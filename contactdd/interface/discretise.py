@@ -1,4 +1,4 @@
-"""A discretised contact: the points of S_αβ with their weights and gaps, and how both bodies are seen from them."""
+"""A discretised contact: the points of S_αβ with weights and gaps, and u_n of both bodies there."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from .trace import normal_trace
 
 @dataclass(frozen=True)
 class InterfaceSide:
-    """A body seen from the n points of an interface.
+    """One body's side of an interface of n points.
 
-    body: its place in the scene; trace: (n, dofs) from its displacement to u_n at the points; transfer: from values
-    at the interface's points to the integration points of the body's own surface, where its Robin term lives.
+    body: its index in the scene; trace: (n, dofs) from its displacement to u_n at the points; transfer: from values
+    at the interface's points to the integration points of the body's own surface, for its Robin term.
     """
 
     body: int
@@ -51,14 +51,18 @@ class InterfaceSide:
 
 @dataclass(frozen=True)
 class PrescribedGap:
-    """Where a given gap is evaluated, points (m, dim), and how the values at an interface follow, mean (n, m), None if
-    they are the same."""
+    """The evaluation of a prescribed gap.
+
+    points: (m, dim) where it is evaluated; mean: (n, m) from these values to those at an interface, None if they are
+    the same; part: how much of it lies on this side of the contact.
+    """
 
     points: Floats
     mean: scipy.sparse.csr_matrix | None
+    part: float = 1.0
 
     def at(self, gap: Gap) -> Floats:
-        values = evaluate("gap", gap, self.points.T)
+        values = self.part * evaluate("gap", gap, self.points.T)
         return values if self.mean is None else self.mean @ values
 
 
@@ -66,26 +70,27 @@ class PrescribedGap:
 class Interface:
     """A contact at n points, with the gap that it has for the present values of its parameters.
 
-    x: (n, dim) where on the first surface, the smooth one behind its facets if they do not match the second's, or the
-    nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; measured: (n,) the part of d found
-    from the meshes; shape: (n,) that which is given, and how: given; sides: both bodies; nodal: makes the linear
-    functions of one surface's nodes; unmatched: the area of either surface that has no partner; facets: on meshes that
-    match, the second surface's opposite each of the first's; gathered: (nodes, n) which point's value each node of a
-    surface takes, None where the points are no nodes; doubt: (n,) by how much `measured` may be off where the facets do
-    not tell what surface is meant, None if they do; layer: the contact's law at the points, a hard contact's
-    `AugmentedLayer`. Contact integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    x: (n, dim) coordinates on the first surface, the smooth one behind its facets if they do not match the second's, or
+    the nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; geometric_gap: (n,) the part of
+    the initial gap d found from the meshes; prescribed_gap: (n,) the part prescribed by the user; prescription: how to
+    evaluate that part again; sides: both bodies; nodal: makes the linear functions of one surface's nodes;
+    unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second surface's
+    opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
+    points are no nodes; doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is
+    meant, None if they do not; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact
+    integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
     x: Floats
     normal: Floats
     weights: Floats
-    measured: Floats
-    shape: Floats
-    given: PrescribedGap
+    geometric_gap: Floats
+    prescribed_gap: Floats
+    prescription: PrescribedGap
     sides: tuple[InterfaceSide, InterfaceSide]
     nodal: Callable[[], LinearFunctions]
-    unmatched: tuple[float, float] = (0.0, 0.0)
+    unpaired_area: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
     doubt: Floats | None = None
@@ -98,8 +103,9 @@ class Interface:
     def _law(self) -> Layer:
         layer = self.contact.layer
         if isinstance(layer, HardContact):
-            return augmented_layer(layer, min(float(each.max()) for each in self._facet_stiffnesses))
-        return layer.at(self.x.T)
+            return augmented_layer(layer, min(float(each.max()) for each in self._stiffnesses_of_hard))
+        law = layer.at(self.x.T)
+        return _half(law) if _mirrored(self.contact) else law
 
     @cached_property
     def functions(self) -> LinearFunctions:
@@ -118,13 +124,21 @@ class Interface:
     @cached_property
     def facet_stiffness(self) -> float:
         """E/h of the softer body's facets, the stiffness of a layer that is as stiff as they are."""
-        return min(float(np.median(stiffnesses)) for stiffnesses in self._facet_stiffnesses)
+        return min((float(np.median(stiffnesses)) for stiffnesses in self._facet_stiffnesses), default=np.inf)
 
     @property
     def _facet_stiffnesses(self) -> list[Floats]:
-        """E/h of the facets of both surfaces that have a mesh."""
-        meshed = [side.surface for side in self.sides if isinstance(side.surface, ContactSurface)]
-        return [surface.moduli / surface.facet_sizes for surface in meshed]
+        """E/h of the facets of both surfaces that have a mesh, or at the points of those that have none."""
+        found = [side.surface.stiffnesses for side in self.sides]
+        return [stiffnesses for stiffnesses in found if stiffnesses is not None]
+
+    @property
+    def _stiffnesses_of_hard(self) -> list[Floats]:
+        """The same, which a hard contact cannot be without."""
+        if not self._facet_stiffnesses:
+            names = " and ".join(repr(body.name) for body, _ in self.contact.sides)
+            raise ValueError(f"contact of {names} without a layer: expected a body with a mesh or point_stiffnesses()")
+        return self._facet_stiffnesses
 
     @property
     def unlike(self) -> bool:
@@ -134,12 +148,12 @@ class Interface:
 
     @cached_property
     def gap(self) -> Floats:
-        """d at the points, (n,), counted from where the layer begins."""
-        return self.measured + self.shape - self.layer.clearance
+        """The initial gap d at the points, (n,), less the layer's clearance."""
+        return self.geometric_gap + self.prescribed_gap - self.layer.clearance
 
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
-        return replace(self, contact=contact.frozen(), shape=self.given.at(contact.gap))
+        return replace(self, contact=contact.frozen(), prescribed_gap=self.prescription.at(contact.gap))
 
     def with_layer(self, layer: Layer | HardContact) -> Interface:
         """The same interface with the law of another layer."""
@@ -176,11 +190,13 @@ def discretise(
     split: bool = False,
     rule: Quadrature | None = None,
 ) -> Interface:
-    """The interface of a contact between the bodies at the given places of a scene.
+    """The interface of a contact between the bodies of given indices in a scene.
 
     facets: the second surface's opposite each of the first's, where they are known to match; split: whether facets are
     split into segments even where they match; rule: another than the contact's own.
     """
+    if all(body.mesh is None for body, _ in contact.sides):
+        return _between_meshless(contact, bodies)
     if rule is None:
         degree = max(body.degree for body, _ in contact.sides if body.mesh is not None)
         rule = find_quadrature(contact.quadrature, degree, contact.quadrature_degree)
@@ -227,7 +243,7 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
     x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
     places = smooth_places(own)
     trace, measured = _seen_meshless(contact, partner, x, own.mean(places), normal)
-    given = PrescribedGap(places, own.average)
+    given = PrescribedGap(places, own.average, part=0.5 if _mirrored(contact) else 1.0)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
         InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
@@ -258,7 +274,7 @@ def _nodes_opposite_meshless(
     trace, measured = _seen_meshless(contact, partner, own.points.x, places, own.points.normal)
     normal = values @ own.points.normal
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    given = PrescribedGap(places, values)
+    given = PrescribedGap(places, values, part=0.5 if _mirrored(contact) else 1.0)
     weights, trace = sampling.weights, (values @ trace).tocsr()
     points = Gather(np.arange(len(weights)), len(weights))
     means = _facet_means(own, facets, own.weights, sampling.spread)
@@ -281,18 +297,84 @@ def _nodes_opposite_meshless(
     )
 
 
+def _mirrored(contact: Contact) -> bool:
+    """Whether a contact is that of a body with its mirror image."""
+    return any(body.mesh is None and body.mirrors for body, _ in contact.sides)
+
+
+def _half(law: Layer) -> Layer:
+    """The half of a law that lies on one side of a mirror plane."""
+    from ..layers.halved import HalvedLayer
+
+    return HalvedLayer(law)
+
+
 def _seen_meshless(
     contact: Contact, partner: MeshlessBody, x: Floats, places: Floats, normal: Floats
 ) -> tuple[scipy.sparse.csr_matrix, Floats]:
     """The normal displacement of a body without a mesh at points x, as an operator on its unknowns, and its distance
     from the places on the smooth surface."""
-    trace = scipy.sparse.csr_matrix(_checked("normal_displacement", partner.normal_displacement(x, normal), len(x), 2))
+    trace = _operator(partner.normal_displacement(x, normal), len(x))
     distance = _checked("gap", partner.gap(places, normal), len(x), 1)
     return trace, contact.measure_gap * without_rounding(distance, np.abs(x).max())
 
 
+def _between_meshless(contact: Contact, bodies: tuple[int, int]) -> Interface:
+    """The interface between two bodies without a mesh, at the points that the first offers, or else the second."""
+    offered = [body.contact_points() for body, _ in contact.sides]
+    owner = 0 if offered[0] is not None else 1
+    x, outward, weights = offered[owner]
+    count = len(weights)
+    x, outward = _checked("contact_points", x, count, 2), _checked("contact_points", outward, count, 2)
+    weights = _checked("contact_points", weights, count, 1)
+    partner = contact.sides[1 - owner][0]
+    distance = _checked("gap", partner.gap(x, outward), count, 1)
+    measured = contact.measure_gap * without_rounding(distance, np.abs(x).max())
+    sides = [
+        _side_of_points(contact, side, bodies[side], (x, -outward if side == owner else outward), weights)
+        for side in (0, 1)
+    ]
+    given = PrescribedGap(x, None, part=0.5 if _mirrored(contact) else 1.0)
+    return Interface(
+        contact.frozen(),
+        x,
+        outward if owner == 0 else -outward,
+        weights,
+        measured,
+        given.at(contact.gap),
+        given,
+        (sides[0], sides[1]),
+        _no_functions,
+        gathered=scipy.sparse.eye(count, format="csr"),
+    )
+
+
+def _side_of_points(
+    contact: Contact, side: int, place: int, rays: tuple[Floats, Floats], weights: Floats
+) -> InterfaceSide:
+    """One side of a contact between bodies without a mesh; rays: its points and the directions into this body."""
+    body, count = contact.sides[side][0], len(weights)
+    trace = _operator(body.normal_displacement(*rays), count)
+    points = PointSurface(weights, trace, stiffnesses=body.point_stiffnesses(), corners=body.contact_facets())
+    return InterfaceSide(place, points, trace, Gather(np.arange(count), count))
+
+
+def _no_functions() -> LinearFunctions:
+    raise ValueError("a contact between bodies without a mesh has no functions of facets; expected its own points")
+
+
+def _operator(values: Any, points: int) -> scipy.sparse.csr_matrix:
+    """The normal displacement that a body without a mesh gives at some points, an array or a sparse matrix."""
+    if not scipy.sparse.issparse(values):
+        return scipy.sparse.csr_matrix(_checked("normal_displacement", values, points, 2))
+    trace = scipy.sparse.csr_matrix(values)
+    if trace.shape[0] != points or not np.all(np.isfinite(trace.data)):
+        raise ValueError(f"normal_displacement of shape {trace.shape}: expected finite numbers of {points} points")
+    return trace
+
+
 def _checked(name: str, values: Any, points: int, dimensions: int) -> Floats:
-    """What a body without a mesh says of some points, refused unless it is finite numbers for each."""
+    """The values of a body without a mesh at points, refused unless they are finite numbers for each."""
     array = as_floats(name, values, f"finite numbers of {points} points")
     if array.ndim != dimensions or len(array) != points or not np.all(np.isfinite(array)):
         raise ValueError(f"{name} of shape {array.shape}: expected finite numbers of {points} points")
@@ -330,14 +412,14 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
     shape = given.at(contact.gap)
     sides = tuple(
         InterfaceSide(
-            bodies[place],
+            bodies[index],
             surface,
-            (values @ _trace(surface, partners, place, sign)).tocsr(),
-            _facet_means(surface, partners.facets[place], partners.weights, sampling.spread),
+            (values @ _trace(surface, partners, index, sign)).tocsr(),
+            _facet_means(surface, partners.facets[index], partners.weights, sampling.spread),
         )
-        for place, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
+        for index, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
     )
-    unmatched = tuple(_unmatched(surface, partners, place) for place, surface in enumerate(surfaces))
+    unpaired = tuple(_unpaired_area(surface, partners, index) for index, surface in enumerate(surfaces))
     return Interface(
         contact.frozen(),
         values @ x if sampling.nodes is None else node_coordinates(surfaces[nodal()])[sampling.nodes],
@@ -348,16 +430,16 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         given,
         (sides[0], sides[1]),
         lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
-        (unmatched[0], unmatched[1]),
+        (unpaired[0], unpaired[1]),
         gathered=sampling.gathered,
         doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
 
 
-def _trace(surface: ContactSurface, partners: PointPairs, place: int, sign: float) -> scipy.sparse.csr_matrix:
+def _trace(surface: ContactSurface, partners: PointPairs, side_index: int, sign: float) -> scipy.sparse.csr_matrix:
     """The normal displacement of one side, outwards, at the points, (n, dofs)."""
-    trace = normal_trace(surface.body.space, partners.points[place], sign * partners.normal)
-    smooth = partners.smooth[place]
+    trace = normal_trace(surface.body.space, partners.points[side_index], sign * partners.normal)
+    smooth = partners.smooth[side_index]
     stretch = None if smooth is None else smooth.stretch_trace()
     return trace if stretch is None else trace + stretch
 
@@ -387,8 +469,8 @@ def _facet_means(
     return total[np.repeat(np.arange(count), surface.per_facet)]
 
 
-def _unmatched(surface: ContactSurface, partners: PointPairs, place: int) -> float:
+def _unpaired_area(surface: ContactSurface, partners: PointPairs, side_index: int) -> float:
     """The area of a surface that has no partner."""
-    bare = np.maximum(surface.facet_areas - partners.covered(place, len(surface.facets)), 0.0)
+    bare = np.maximum(surface.facet_areas - partners.covered(side_index, len(surface.facets)), 0.0)
     area, total = float(bare.sum()), float(surface.facet_areas.sum())
-    return area if area > 1e-6 * total else 0.0  # less is what seams between curved facets leave
+    return area if area > 1e-6 * total else 0.0  # smaller areas are artefacts of seams between curved facets

@@ -43,7 +43,7 @@ class LinearFunctions:
 
     @cached_property
     def at_values(self) -> scipy.sparse.csr_matrix:
-        """The functions' means over what belongs to each value, (values, nodes)."""
+        """The functions' means over the points of each value, (values, nodes)."""
         return self._at_points if self.mean is None else (self.mean @ self._at_points).tocsr()
 
     def interpolated(self, values: Floats) -> Floats:
@@ -94,14 +94,14 @@ def hats(surface: ContactSurface, points: FacetPoints) -> scipy.sparse.csr_matri
     basis = basis_values(_linear(compat.coordinate_map(domain).cell_type), points.reference)
     point, corner = np.nonzero(basis > 1e-12)  # those of inner vertices vanish on a facet
     # The first of a cell's geometry nodes are its vertices.
-    place = np.searchsorted(nodes, compat.geometry_dofmap(domain)[points.cells[point], corner])
+    node = np.searchsorted(nodes, compat.geometry_dofmap(domain)[points.cells[point], corner])
     values = basis[point, corner]
     values /= np.bincount(point, values, len(basis))[point]  # their sum is one to the last digit
-    return scipy.sparse.csr_matrix((values, (point, place)), shape=(len(basis), len(nodes)))
+    return scipy.sparse.csr_matrix((values, (point, node)), shape=(len(basis), len(nodes)))
 
 
 def side_of_nodes(surfaces: tuple[ContactSurface, ContactSurface], facets: tuple[Indices, Indices]) -> int:
-    """Which surface's nodes carry a contact's pressure: 0 or 1.
+    """The side, 0 or 1, whose nodes carry a contact's pressure.
 
     That of the softer body, which can follow any pressure on its own nodes; of bodies about equally stiff the coarser
     surface, whose functions both can follow; else the first. facets: (n,) those of both sides that lie opposite.

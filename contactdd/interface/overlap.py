@@ -66,10 +66,10 @@ def meet_line(
     start: Floats,
     within: float = np.inf,
 ) -> Floats:
-    """Where curved facets meet lines, in the facets' coordinates (n, dim − 1).
+    """The intersections of curved facets with lines, in the facets' coordinates (n, dim − 1).
 
-    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1); within: how
-    far from the start to go. Newton's iteration.
+    surface: from the facets' coordinates to points (n, dim) and tangents (n, dim, dim − 1); within: the
+    largest distance from the start. Newton's iteration.
     """
     local = start
     for _ in range(20):
@@ -106,14 +106,14 @@ def _overlaps_of_polygons(first: Floats, second: Floats) -> tuple[Indices, Float
     smaller = np.minimum(_areas(first), _areas(second))
     polygon, count = _without_rounding(*_clip(first, second), smaller)
     centre = polygon.sum(axis=1) / np.maximum(count, 1)[:, None]
-    places = np.arange(polygon.shape[1])
+    positions = np.arange(polygon.shape[1])
     triangles = np.stack([np.broadcast_to(centre[:, None], polygon.shape), polygon, _next(polygon, count)], axis=2)
     whole = count == 3  # a triangle needs no cut
     triangles[whole, 0] = polygon[whole, :3]
-    used = (places < count[:, None]) & ~(whole[:, None] & (places > 0))
+    used = (positions < count[:, None]) & ~(whole[:, None] & (positions > 0))
     used &= _areas(triangles) > NEGLIGIBLE * smaller[:, None]
-    owner, place = np.nonzero(used)
-    return pair[owner], triangles[owner, place]
+    owner, corner = np.nonzero(used)
+    return pair[owner], triangles[owner, corner]
 
 
 def _clip(polygons: Floats, windows: Floats) -> tuple[Floats, Indices]:
@@ -143,23 +143,23 @@ def _without_rounding(polygons: Floats, count: Indices, areas: Floats) -> tuple[
 
     Where edges of both surfaces lie on each other it is chance whether such corners appear. areas: (n,) to compare to.
     """
-    places = np.arange(polygons.shape[1])
+    positions = np.arange(polygons.shape[1])
     for doubled in (True, False):
         ends = _next(polygons, count)
         if doubled:
             kept = np.linalg.norm(ends - polygons, axis=2) > MERGED * np.sqrt(areas)[:, None]
         else:
-            preceding = np.where(places > 0, places - 1, np.maximum(count, 1)[:, None] - 1)
+            preceding = np.where(positions > 0, positions - 1, np.maximum(count, 1)[:, None] - 1)
             starts = np.take_along_axis(polygons, preceding[:, :, None], axis=1)
             kept = _areas(np.stack([starts, polygons, ends], axis=2)) > NEGLIGIBLE * areas[:, None]
-        polygons, count = _packed(polygons, kept & (places < count[:, None]), len(places))
+        polygons, count = _packed(polygons, kept & (positions < count[:, None]), len(positions))
     return polygons, count
 
 
 def _next(values: Floats, count: Indices) -> Floats:
-    """What stands at the next corner around each polygon, of values at its corners (n, corners, ...)."""
-    places = np.arange(values.shape[1])
-    following = np.where(places + 1 < count[:, None], places + 1, 0)
+    """The values (n, corners, ...) at each polygon's corners, shifted to the next corner around it."""
+    positions = np.arange(values.shape[1])
+    following = np.where(positions + 1 < count[:, None], positions + 1, 0)
     return values[np.arange(len(values))[:, None], following]
 
 

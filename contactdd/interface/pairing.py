@@ -57,7 +57,7 @@ class PointPairs:
 
     @property
     def doubt(self) -> Floats:
-        """By how much the gap may be off where nothing tells what is smooth, (n,)."""
+        """The uncertainty of the gap where the smooth surface is not determined, (n,) (length)."""
         return sum((s.doubt for s in self.smooth if s is not None), np.zeros(len(self.weights)))
 
     @property
@@ -71,7 +71,7 @@ class PointPairs:
         return 0.5 * (self.places[0] + self.places[1])
 
     def covered(self, side: int, count: int) -> Floats:
-        """How much of each of the side's `count` facets has a partner, in the facet's own area."""
+        """The area of each of a side's `count` facets that has a partner, (count,)."""
         slope = np.abs(dot(self.points[side].normal, self.normal))
         return np.asarray(np.bincount(self.facets[side], self.weights / slope, count), dtype=float)
 
@@ -92,12 +92,12 @@ class Matching:
 
     @property
     def places(self) -> Indices | None:
-        """Where the second surface's values stand in the order of the first's; None where they have it already."""
+        """The positions of the second surface's values in the order of the first's; None if the order is the same."""
         return None if self.values is None else np.argsort(self.values)
 
 
 def matching(first: ContactSurface, second: ContactSurface, reach: float) -> Matching | None:
-    """How two surfaces no further apart than `reach` match, or None if they do not."""
+    """Pair the facets of two surfaces one to one, or None if the meshes do not match within `reach`."""
     if _in_order(first, second, reach):
         return Matching(np.arange(len(first.facets)))
     facets = _matching_facets(first, second, reach)
@@ -105,7 +105,7 @@ def matching(first: ContactSurface, second: ContactSurface, reach: float) -> Mat
 
 
 def matching_on(first: ContactSurface, second: ContactSurface, facets: Indices) -> Matching | None:
-    """How the values match on facets that do, or None if one has none that lies opposite.
+    """The pairs of values on facets that match, or None if one has no partner.
 
     facets: the second surface's opposite each of the first's.
     """
@@ -150,7 +150,7 @@ def _in_order(first: ContactSurface, second: ContactSurface, reach: float) -> bo
 
 
 def _tolerance(surface: ContactSurface) -> float:
-    """What the facets of meshes that match may be shifted by: a millionth of their size."""
+    """The largest distance of facets that match: a millionth of their size."""
     n = len(surface.facets)
     if surface.body.mesh.dim == 2:
         return 1e-6 * surface.areas.sum() / n
@@ -232,7 +232,7 @@ def _opposite(
 
 
 def _beyond(side: ContactSurface, local: Floats) -> Floats:
-    """How far points lie outside their facets, in the facets' coordinates, (n,)."""
+    """The distances of points outside their facets, in the facets' coordinates, (n,)."""
     far = local.sum(axis=1) if side.corners.shape[1] == 3 else local.max(axis=1)
     return np.maximum(far - 1.0, -local.min(axis=1))
 
@@ -269,7 +269,7 @@ def _offsets(here: Floats, there: Floats, normal: Floats) -> Floats:
 
 
 def _nearest(points: Floats, others: Floats) -> tuple[Floats, Indices]:
-    """How far the nearest of the others (m, dim) is from each of the points (n, dim), and which one it is."""
+    """The distance from each point (n, dim) to the nearest of others (m, dim), and the index of that one."""
     if len(points) * len(others) > 10_000:
         return scipy.spatial.cKDTree(others).query(points)
     offset = points[:, None] - others

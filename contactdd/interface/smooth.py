@@ -74,7 +74,7 @@ class SmoothSurface:
         return x + _combined(self.frame.inner(local), self.offsets[facets])
 
     def rise_by_edges(self, facets: Indices, local: Floats) -> Floats:
-        """What each edge adds to the rise above the straight facet, but for the next term of a circle, (n, e)."""
+        """The part of the rise above the straight facet due to each edge, but for the next term of a circle, (n, e)."""
         t, counts = self.frame.edge_coordinates(local)
         slopes = self.slopes[facets]
         return counts * (slopes[..., 0] * (1.0 - t) + slopes[..., 1] * t)
@@ -132,7 +132,7 @@ class SmoothPoints:
         direction: Floats,
         line: Floats,
     ) -> SmoothPoints:
-        """Where lines through `line` (n, dim) meet the smooth surface; local: near which points of the facets."""
+        """The intersections of lines through `line` (n, dim) with the smooth surface; local: starts of the search."""
         domain, entities, start = surface.body.mesh.domain, surface.entities[facets], local
 
         def patch(local: Floats) -> tuple[Floats, Floats]:
@@ -153,11 +153,11 @@ class SmoothPoints:
 
     @property
     def doubt(self) -> Floats:
-        """By how much the facets may be off there, where nothing tells what is smooth, (n,)."""
+        """The uncertainty of the facets' rise where the smooth surface is not determined, (n,) (length)."""
         return self.shape.doubt[self.facets]
 
     def stretch_trace(self) -> scipy.sparse.csr_matrix | None:
-        """What the rise adds to u_n as the facets stretch, (n, dofs); None where the elements bend by themselves.
+        """The part of u_n due to the rise as the facets stretch, (n, dofs); None on quadratic facets or elements.
 
         Between the nodes of a circle that grows by u_r, linear elements have u_n = u_r cos α on the chord: they miss
         s u_r/R, the rise times the strain along the edges. Rigid motions stretch nothing, and the forces that belong
@@ -251,7 +251,7 @@ def _through(shape: SmoothSurface, surface: ContactSurface, x: Floats, doubtful:
 
 
 def _slopes(normals: Floats, upright: Floats, edges: Floats, ends: NDArray[np.intp]) -> Floats:
-    """How a surface with normals at the corners rises above the straight facet along its edges, inwards, (n, e, 2)."""
+    """The slopes above the facet, along each edge inwards, of a surface with given normals at corners, (n, e, 2)."""
     along = np.stack([edges, -edges], axis=2)
     return -dot(normals[:, ends], along) / dot(normals[:, ends], upright[:, ends])
 
@@ -367,7 +367,7 @@ class _Frame:
         return basis_values(self.element, local)[:, len(self.corners) :]
 
     def edge_coordinates(self, local: Floats) -> tuple[Floats, Floats]:
-        """How far along every edge points lie, t from 0 to 1, and how much its rise counts there, (n, e) each.
+        """The coordinates t of points along every edge, from 0 to 1, and the weights of its rise there, (n, e) each.
 
         On an edge itself that one alone counts, t (1 − t). On quadrilaterals each counts as it is near (Coons), on
         triangles by λᵢλⱼ: both have quadratic precision.

@@ -52,7 +52,7 @@ class ContactSurface:
         return other
 
     def spread(self, order: NDArray[np.intp] | None = None) -> Gather:
-        """To the integration points from the values, or from values whose `order` tells where each of these stands."""
+        """The operator from values, in their own order or at the positions `order`, to the integration points."""
         values = np.arange(len(self.weights)) // self.per_value
         return Gather(values if order is None else order[values], len(values) // self.per_value)
 
@@ -81,9 +81,14 @@ class ContactSurface:
 
     @cached_property
     def facet_sizes(self) -> Floats:
-        """How long each facet is, the root of its area in space, (facets,)."""
+        """The length of each facet, in space the root of its area, (facets,)."""
         areas = self.areas.reshape(len(self.facets), -1).sum(axis=1)
         return areas if self.body.mesh.dim == 2 else np.sqrt(areas)
+
+    @cached_property
+    def stiffnesses(self) -> Floats:
+        """E/h of each facet, the stiffness of a layer that is as stiff as it, (facets,)."""
+        return self.moduli / self.facet_sizes
 
     @cached_property
     def moduli(self) -> Floats:
@@ -127,12 +132,15 @@ class ContactSurface:
 class PointSurface:
     """The side of a body without a mesh: the n points of the interface themselves.
 
-    weights: (n,) areas; trace: (n, dofs) from its degrees of freedom to u_n; surface: its name.
+    weights: (n,) areas; trace: (n, dofs) from its degrees of freedom to u_n; surface: its name; stiffnesses: (n,) E/h,
+    and corners: (facets, corners, dim) of its own points, None if it has none.
     """
 
     weights: Floats
     trace: scipy.sparse.csr_matrix
     surface: str = ""
+    stiffnesses: Floats | None = None
+    corners: Floats | None = None
 
     @property
     def nodal_trace(self) -> scipy.sparse.csr_matrix:

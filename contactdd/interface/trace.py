@@ -42,8 +42,8 @@ def surface_trace(
 def _normal_operator(
     space: fem.FunctionSpace, point: NDArray[np.intp], nodes: NDArray[np.int32], basis: Floats, direction: Floats
 ) -> scipy.sparse.csr_matrix:
-    """u along directions (n, dim) at n points, from the basis functions seen there (m,): point by point, each one's
-    node and value."""
+    """The operator from nodal displacements to u along directions (n, dim) at n points, from the basis functions (m,)
+    there: point by point, each one's node and value."""
     dim, size = space.dofmap.bs, space.dofmap.index_map.size_local
     values = basis[:, None] * direction[point]
     # Exact zeros (inner nodes, the components along a flat surface) must not become unknowns of the contact.

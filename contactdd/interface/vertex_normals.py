@@ -53,9 +53,9 @@ class SurfaceNodes:
         return mean, (length[:, 0] > 0.0) & ~sharp
 
     def around(self, smooth: NDArray[np.bool_]) -> tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix]:
-        """Which nodes are seen from each: those of its facets, and of the facets of their vertices that are no edge.
+        """The nodes around each node: those of its facets, and of the facets of their vertices that are no edge.
 
-        Also which nodes each facet has, (n, m).
+        Also the nodes of each facet, (n, m).
         """
         count, size = self.facets.shape
         entries = (np.ones(count * size), self.facets.ravel(), np.arange(0, count * size + 1, size))
@@ -78,9 +78,9 @@ def vertex_normals(nodes: SurfaceNodes) -> tuple[Floats, NDArray[np.bool_]]:
     seen, has = nodes.around(smooth)
     fit = _fits(nodes, mean, smooth, seen)
     degree, corners = nodes.degree, nodes.corners
-    place = np.full(len(nodes.x), -1)
-    place[fit.vertex[fit.fair]] = np.flatnonzero(fit.fair)
-    own = place[corners]
+    fit_of_node = np.full(len(nodes.x), -1)
+    fit_of_node[fit.vertex[fit.fair]] = np.flatnonzero(fit.fair)
+    own = fit_of_node[corners]
     normals = np.where((own >= 0)[..., None], fit.normal[np.maximum(own, 0)] if len(fit.vertex) else 0.0, 0.0)
     asking = np.flatnonzero((own < 0).any(axis=1))
     fair = np.flatnonzero(fit.fair)
@@ -113,12 +113,12 @@ class _Fit:
     bend: Floats
     fair: NDArray[np.bool_]
 
-    def normals_at(self, place: Indices, offset: Floats, degree: int) -> Floats:
-        """The unit normals at points that lie at `offset` (p, dim) from the vertices at `place`."""
-        axes, normal = self.axes[place], self.normal[place]
+    def normals_at(self, fit: Indices, offset: Floats, degree: int) -> Floats:
+        """The unit normals at points that lie at `offset` (p, dim) from the vertices of the fits `fit`."""
+        axes, normal = self.axes[fit], self.normal[fit]
         u, z = np.einsum("pki,pi->pk", axes, offset), dot(normal, offset)
-        slope = np.einsum("pmk,pm->pk", _monomial_slopes(u, degree), self.coefficients[place])
-        slope /= (1.0 - _second(self.bend[place], u) * z)[:, None]
+        slope = np.einsum("pmk,pm->pk", _monomial_slopes(u, degree), self.coefficients[fit])
+        slope /= (1.0 - _second(self.bend[fit], u) * z)[:, None]
         turned = normal - np.einsum("pk,pki->pi", slope, axes)
         return turned / np.linalg.norm(turned, axis=1, keepdims=True)
 
@@ -212,7 +212,7 @@ def _length(rows: Floats) -> Floats:
 
 
 def _least_squares(terms: Floats, data: Floats) -> Floats:
-    """The least-squares coefficients (v, m) of terms (v, n, m) for data (v, n); of what they cannot tell, none."""
+    """The least-squares coefficients (v, m) of terms (v, n, m) for data (v, n); undetermined ones are zero."""
     scale = np.sqrt(np.einsum("vnm,vnm->vm", terms, terms))
     scale = np.where(scale > 1e-12, scale, 1.0)
     terms = terms / scale[:, None]

@@ -28,7 +28,7 @@ class Anderson:
 
     @property
     def memory(self) -> list[Floats]:
-        """What it remembers, as plain arrays: the last iterate and correction, then pairs of differences."""
+        """The memory as plain arrays: the last iterate and correction, then pairs of differences."""
         last = [] if self._last is None else list(self._last)
         return last + [part for pair in self._differences for part in pair]
 

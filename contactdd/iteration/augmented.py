@@ -108,6 +108,6 @@ class AugmentedRun:
 
 
 def remaining(change: float, last: float) -> float:
-    """What all later changes of a geometric sequence add up to, in units of the present one: r + r² + …"""
+    """The sum of all later changes of a geometric sequence, in units of the present one: r + r² + …"""
     rate = min(change / last, 0.999) if last > 0.0 else 0.0
     return rate / (1.0 - rate)

@@ -35,7 +35,7 @@ FORMAT = "contactdd checkpoint"
 VERSION = 2
 
 
-#: What two scenes may differ by, relative to the largest number: rounding on another machine.
+#: Largest difference of two scenes, relative to the largest number: rounding on another machine.
 SAME = 1e-8
 
 
@@ -96,7 +96,7 @@ class CheckpointWriter:
                     _warn(f"checkpoint = {str(self._claim.path)!r}: not written ({error}); the run goes on")
 
     def _foreign(self, path: Path) -> str:
-        """What speaks against writing over a file."""
+        """The reason not to overwrite a file; empty if there is none."""
         try:
             if path.stat().st_size == 0:
                 return ""
@@ -185,7 +185,7 @@ def _contents(path: Path) -> tuple[Any, list[Record], dict[str, np.ndarray]]:
 
 
 def _header(ensemble: Ensemble, method: str) -> dict[str, Any]:
-    """What a checkpoint must have in common with the run that goes on from it."""
+    """The quantities that a checkpoint must share with the run that goes on from it."""
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -202,7 +202,7 @@ def _taken_apart(state: State) -> dict[str, list[np.ndarray]]:
 
 
 def _told_by(ensemble: Ensemble, state: State, forces: Forces) -> dict[str, list[np.ndarray]]:
-    """What a scene gives at a state, by what of the scene it tells."""
+    """Quantities that identify a scene at a given state, by the part of the scene they depend on."""
     return {
         "loads or prescribed displacements": [ensemble.load],
         "geometry or gaps": ensemble.gaps(state.unknowns),

@@ -1,4 +1,4 @@
-"""Which file a run may write its state to: never one that is something else, or that another run writes."""
+"""The file that a run writes its state to: never one that is no checkpoint, or that another run writes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ try:
 except ImportError:  # not a Unix: runs in one folder have to be told apart by the user
     fcntl = None  # type: ignore[assignment]
 
-#: What a lock or an unfinished file adds to the name of the checkpoint.
+#: The endings of the names of a lock and of an unfinished file.
 LOCK, PART = ".lock", re.compile(r"\.\d+-[0-9a-f]{8}\.part")
 
 

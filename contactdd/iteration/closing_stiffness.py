@@ -1,4 +1,4 @@
-"""How stiff a contact is: the derivative of its force by the approach of its bodies, from the tangent (17)."""
+"""The normal stiffness of a contact: its force's derivative by the approach of its bodies, from the tangent (17)."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from .step import find_step
 SOLVED = 1e-12
 
 
-def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], place: int) -> float:
-    """dF/dδ of the contact at a place of the scene, δ by which its gap d shrinks everywhere, all loads kept.
+def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], contact_index: int) -> float:
+    """dF/dδ of a contact, given by its index: δ is a uniform reduction of its gap d, all loads are kept.
 
     With W = w χ g'(z) and C y = u_αn + u_βn the tangent gives (A + Cᵀ W C) dy = −Cᵀ W 1 dδ, dF = 1ᵀ W (1 dδ + C dy).
     """
@@ -25,7 +25,7 @@ def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], 
     phi = {index: interface.layer.contact_derivative(z) for index, (interface, z) in enumerate(contacts)}
     weights = ensemble.weights * ensemble.at_all_points(phi)
     own = np.zeros(len(weights))
-    own[ensemble.points[place]] = 1.0
+    own[ensemble.points[contact_index]] = 1.0
     rhs = -(ensemble.normal_approach.T @ (weights * own))
     if not np.any(rhs):
         return float(own @ weights)  # open, or nothing that could move

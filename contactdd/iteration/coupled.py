@@ -37,8 +37,8 @@ class CoupledSystem:
             root = np.sqrt(weights)[:, None] * approach
             matrix = scipy.linalg.blas.dsyrk(1.0, root.T, beta=1.0, c=matrix, overwrite_c=True)
         else:
-            places, entries = self._map
-            matrix.T.ravel()[places] += entries @ weights
+            positions, entries = self._map
+            matrix.T.ravel()[positions] += entries @ weights
         matrix[fixed, fixed] += self._ensemble.rigid.stiffness_scale
         _, solution, info = scipy.linalg.lapack.dposv(matrix, rhs, overwrite_a=True)
         if info != 0:
@@ -59,5 +59,5 @@ class CoupledSystem:
 
     @cached_property
     def _map(self) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
-        """Where the contacts' terms stand in the dense matrix, and from the weights times φ to their entries."""
+        """The positions of the contacts' terms in the dense matrix, and the operator from weights times φ to them."""
         return product_map(self._ensemble.normal_approach, np.ones(len(self._ensemble.weights)))

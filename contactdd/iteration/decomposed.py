@@ -20,4 +20,4 @@ class Decomposed:
     def correct(self, phi: Phi, residual: Floats, scale: float) -> Floats:
         problems, forces = self._ensemble.problems, self._ensemble.split(residual)
         self.body_solves += len(problems)
-        return np.concatenate(self._ranks.each(lambda place: problems[place].correct(phi, forces[place], scale)))
+        return np.concatenate(self._ranks.each(lambda i: problems[i].correct(phi, forces[i], scale)))

@@ -49,7 +49,7 @@ def saved_on_signals(save: Callable[[], None]) -> Iterator[None]:
 
 @contextmanager
 def _watched(ending: list[signal.Signals], save: Callable[[], None]) -> Iterator[None]:
-    """A thread that is told of signals as they come, saves, and ends the process where nothing else does."""
+    """A thread that receives signals as they come, saves, and ends the process where nothing else does."""
     readable, writable = os.pipe()
     os.set_blocking(writable, False)
 

@@ -33,7 +33,7 @@ class Krylov:
 
     #: Modes below this are put into the coarse space; 0.2 bounds the condition of the rest by about 10.
     LOWEST = 0.2
-    #: How much closer the Krylov method has to bring each Newton correction.
+    #: Reduction of the residual of each Newton correction by the Krylov method.
     FORCING = 1e-4
 
     def __init__(self, ensemble: Ensemble, ranks: Ranks, note: str = "") -> None:
@@ -69,11 +69,11 @@ class Krylov:
         )
 
     def _held(self, phi: Phi) -> dict[int, Solver]:
-        """(S + Φ)⁻¹ of every body that this rank holds, by its place: factors stay where they are made."""
+        """(S + Φ)⁻¹ of each body that this rank holds, by its index: factors stay where they are made."""
         held = {}
 
-        def make(place: int) -> None:
-            held[place] = self._ensemble.problems[place].robin_solver(phi)
+        def make(body_index: int) -> None:
+            held[body_index] = self._ensemble.problems[body_index].robin_solver(phi)
 
         self._ranks.each(make)
         return held
@@ -82,13 +82,13 @@ class Krylov:
         """(S + Φ)⁻¹ of every body, independently."""
         forces = self._ensemble.split(vector)
         self.body_solves += len(forces)
-        return np.concatenate(self._ranks.each(lambda place: held[place](forces[place])))
+        return np.concatenate(self._ranks.each(lambda i: held[i](forces[i])))
 
     def _coarse_space(self, phi: Phi) -> Floats:
         """Rigid motions and lowest modes, orthonormal, (all unknowns, modes)."""
 
-        def of(place: int) -> Floats:
-            problem = self._ensemble.problems[place]
+        def of(body_index: int) -> Floats:
+            problem = self._ensemble.problems[body_index]
             modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
             return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
 
@@ -143,7 +143,7 @@ def deflated_conjugate_gradients(
 
 
 def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:
-    """The inverse of a symmetric matrix on what is not its null space: motions of all bodies that nothing resists.
+    """The pseudo-inverse of a symmetric matrix, whose null space are motions of all bodies that nothing resists.
 
     largest: the stiffness in whose rounding such motions' resistance is lost.
     """

@@ -1,4 +1,4 @@
-"""A progress bar that appears only when somebody watches."""
+"""A progress bar, by default shown on a terminal or in a notebook only."""
 
 from __future__ import annotations
 

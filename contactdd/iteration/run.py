@@ -28,7 +28,7 @@ from .stopping import PROGRESS, NotANumberError, StoppingCriterion, Termination
 Observer = Callable[[Record], bool]
 
 
-#: Displacements so many times the bodies' size, beside what is prescribed, are no answer but a run that escapes.
+#: Largest displacement of a solution over the size of the largest body and the prescribed displacements.
 ABSURD = 100.0
 
 
@@ -37,15 +37,15 @@ ABSURD = 100.0
 ROUNDING, SMALL = 2e-15, 1e-8
 
 
-#: How often a step that the energy watches over is halved where it would end at a law's pole.
+#: Halvings of a line search's step that would end at a law's pole.
 SHORTER = 4
 
 
-#: A law with g'(0) = ∞ would drown the bodies' stiffness; this much more of it is rigid enough.
+#: Largest φ over the bodies' own stiffness: at g'(0) = ∞ the bodies' digits would be lost.
 RIGID = 1e8
 
 
-#: Where the slope of the energy is less than this part of the layers' work, differences of that work are too rough.
+#: Where the slope of the energy is less than this part of the layers' work, it is found by divided differences.
 CANCELLED = 1e-8
 
 
@@ -95,7 +95,8 @@ class Run:
         self._ranks, self._linear = ranks, linear
         self._size = max(problem.length for problem in ensemble.problems)
         prescribed = [float(np.abs(t.offset).max(initial=0.0)) for p in ensemble.problems for t in p.traces]
-        self._furthest = ABSURD * (self._size + max(prescribed, default=0.0))
+        self._prescribed = max(prescribed, default=0.0)
+        self._furthest = ABSURD * (self._size + self._prescribed)
         stiffest = ensemble.rigid.stiffness_scale  # and the φ that is as stiff as that
         self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
         self._first_force = 0.0
@@ -126,6 +127,8 @@ class Run:
             reached = f"residual {found.residual:.2e}" + (f", change {last.change:.2e}" if last else "")
             if distance <= 1.0:
                 return self._arrived(f"{reached} after {k} iterations", found)
+            if self._nothing_at_work(found):
+                return self._arrived(f"{reached} after {k} iterations, nothing being at work but rounding", found)
             if distance < PROGRESS * best:
                 best, best_at = distance, k
             elif k - best_at >= rule.patience:
@@ -175,7 +178,7 @@ class Run:
         return Measured(forces, scale, self._ranks.agree(size / scale if scale > 0.0 else 0.0))
 
     def _strange(self, state: State) -> str:
-        """What is no finite number at an iterate: a layer's stress, or else the displacements or forces."""
+        """The message on what is no finite number at an iterate: a layer's stress, else displacements or forces."""
         for interface, z in zip(self.ensemble.interfaces, state.gaps, strict=True):
             stress = interface.layer.contact_stress(z)
             wrong = np.isfinite(z) & ~np.isfinite(stress)
@@ -243,7 +246,7 @@ class Run:
         return energy
 
     def _strange_energy(self, state: State) -> str:
-        """Whose energy is no finite number."""
+        """The message on the layer whose energy is no finite number."""
         for interface, z in zip(self.ensemble.interfaces, state.gaps, strict=True):
             density = interface.layer.energy(z)
             if not np.all(np.isfinite(density)):
@@ -277,21 +280,21 @@ class Run:
         try:
             return self._linear.correct(phi, residual, scale), phi, ""
         except LooseBodyError:
-            if not survive or self._escape is not None:
+            if not survive or self._unbounded_motion is not None:
                 raise
         phi = self._softened(phi, residual)
         return self._linear.correct(phi, residual, scale), phi, "open: held by a soft Robin term"
 
     @cached_property
-    def _escape(self) -> LooseBodyError | None:
-        """What moves for ever where there is no equilibrium."""
+    def _unbounded_motion(self) -> LooseBodyError | None:
+        """The motion that lowers the energy for ever, where there is no equilibrium."""
         return unbounded_motion(self.ensemble)
 
     def _softened(self, phi: dict[int, Floats], residual: Floats) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
 
-        It is the unbalanced forces over the contacts' area and the largest gap: a body moves by about that gap. It is
-        no stiffer than the bodies, for the next step goes further, but not lost in the rounding of what is stiffest.
+        Its stiffness is the unbalanced force per contact area divided by the largest gap, so that a loose body moves by
+        about that gap; it is bounded by the bodies' own stiffness above and by rounding below.
         """
         forces = max(float(np.abs(part).sum()) for part in self.ensemble.split(residual))
         area = float(self.ensemble.weights.sum())
@@ -352,7 +355,7 @@ class Run:
         contacts = [(i.layer, z, move, i.weights * move) for i, z, move in parts]
 
         def growth(t: float) -> float:
-            """How much more the layers resist the correction at t than at 0."""
+            """The growth of the layers' work on the correction from 0 to t."""
             if cancels:
                 return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
@@ -360,7 +363,7 @@ class Run:
         return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
 
     def _bounded(self) -> bool:
-        """Whether the displacements are finite and not absurd."""
+        """Whether the displacements are finite and at most a hundred times the largest body."""
         # False also of what is not a number; true where supports hold all that the contacts touch.
         return bool(np.abs(self.state.unknowns).max(initial=0.0) < self._furthest)
 
@@ -372,6 +375,17 @@ class Run:
         parts = zip(self.ensemble.problems, self.ensemble.split(self.state.deformation), strict=True)
         elastic = math.hypot(norm(self.ensemble.load), *(p.rigid.stiffness_scale * norm(d) for p, d in parts))
         return found.residual <= SMALL and found.residual * found.scale <= ROUNDING * elastic
+
+    def _nothing_at_work(self, found: Measured) -> bool:
+        """Whether there are no loads, and no other forces than the rounding of what is prescribed would cause.
+
+        So it is where prescribed displacements close no contact: bodies in between then lie where they are.
+        """
+        if self.ensemble.load_size != 0.0:
+            return False
+        stiffest = max(problem.rigid.stiffness_scale for problem in self.ensemble.problems)
+        forces = math.hypot(found.forces.size, norm(found.forces.residual))
+        return self._ranks.agree(forces <= ROUNDING * stiffest * self._prescribed)
 
     def _arrived(self, reason: str, found: Measured) -> Termination:
         """The end of a run that has met its rule.
@@ -390,10 +404,10 @@ class Run:
 
     def _ending(self, status: str, reason: str) -> Termination:
         """The end of a run for this reason, unless there is a deeper one: no equilibrium."""
-        way = self._escape
+        way = self._unbounded_motion
         return Termination(status, reason) if way is None else Termination("no equilibrium", str(way), way)
 
 
 def _no_number(interface: Interface, what: str) -> str:
-    """Which contact's layer gives what is no finite number."""
+    """The message that names the contact and the layer of a quantity that is no finite number."""
     return f"contact {interface.contact.name!r}: its {type(interface.layer).__name__} gives the {what}"

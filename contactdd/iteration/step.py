@@ -15,15 +15,14 @@ from .coupled import CoupledSystem
 from .decomposed import Decomposed
 from .krylov import Krylov
 
-#: Contact unknowns of a body up to which "auto" factors the coupled system, or as many in more bodies as make no more
-#: entries: those of one body are all coupled, those of different ones only across their contacts.
+#: "auto" factors the coupled matrix if it has at most LARGEST_DIRECT² entries, counting one dense block per body.
 LARGEST_DIRECT = 6000
 
 
 class Step(Protocol):
     """One kind of linear problem.
 
-    body_solves: how many solves of single bodies there have been; note: why this kind, where it was left open.
+    body_solves: the number of solves of single bodies so far; note: the reason for this kind, where it was chosen.
     """
 
     body_solves: int
@@ -33,13 +32,13 @@ class Step(Protocol):
         """The correction of the unknowns of all bodies.
 
         phi: the coefficient at the points of each interface; residual: −F₁'; scale: the size of the forces at work.
-        Raises LooseBodyError where a motion is free on which forces do work.
+        Raises LooseBodyError where forces do work on a free motion.
         """
         ...
 
 
 def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
-    """The kind of linear problem that the scheme asks for, or the one that suits the scene where it leaves it open."""
+    """The kind of linear problem of a scheme; of "auto" the one that suits the scene."""
     problems = ensemble.problems
     if scheme.step == "decomposed":
         return Decomposed(ensemble, ranks)

@@ -1,4 +1,4 @@
-"""When a run ends, and how it ended."""
+"""The stopping criterion and the end of a run."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ..errors import LooseBodyError
 from ..history import Record
 
-#: What a measure has to fall to for the run to have come closer.
+#: A run has progressed if its distance fell below this factor of the best one so far.
 PROGRESS = 0.99
 
 
@@ -18,10 +18,10 @@ class NotANumberError(ArithmeticError):
 
 @dataclass(frozen=True)
 class StoppingCriterion:
-    """When a run ends.
+    """The rule by which a run ends.
 
-    tolerance: of the criterion, "residual" or "change"; most: iterations; patience: iterations without any progress
-    after which the run is called stalled.
+    tolerance: the bound of the criterion, "residual" or "change"; most: the largest number of iterations; patience: the
+    number of iterations without progress after which the run is called stalled.
     """
 
     tolerance: float
@@ -29,19 +29,19 @@ class StoppingCriterion:
     most: int
     patience: int
 
-    #: The residual may be this many times the change that the step would have made without its relaxation: over the
-    #: whole of Table 1 it is up to 0.91; where the change is small for another reason it is many times as large.
+    #: Largest allowed ratio of the residual to the unrelaxed change of the last step (0.91 at most in Table 1); beyond
+    #: it the change is small for another reason than convergence.
     EXPLAINED = 2.0
-    #: Above this no residual is small, however small γ.
+    #: Largest residual of a converged run, however small γ.
     LARGE = 0.1
 
     def distance(self, residual: float, last: Record | None) -> float:
-        """How far a run is from its goal, 1 at the goal: by its residual now and the change of its last iteration.
+        """The distance of a run from its goal, 1 at the goal: by its residual now and the change of its last iteration.
 
         A small change alone proves nothing: a small γ makes small steps from anywhere, and a body that drifts away
         makes them relatively small. So the residual must be what the change without its relaxation explains.
         """
-        if not math.isfinite(residual):  # nor does max() below tell
+        if not math.isfinite(residual):  # max() below ignores what is not a number
             return math.inf
         if self.criterion == "residual":
             return residual / self.tolerance
@@ -53,8 +53,8 @@ class StoppingCriterion:
 
 @dataclass(frozen=True)
 class Termination:
-    """How a run ended: its status, the reason in words, and what moves for ever where there is no equilibrium."""
+    """The end of a run: its status, the reason in words, and the unbounded motion where there is no equilibrium."""
 
     status: str
     reason: str
-    escape: LooseBodyError | None = None
+    unbounded_motion: LooseBodyError | None = None

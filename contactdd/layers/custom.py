@@ -97,7 +97,7 @@ class CustomLayer(LimitedLayer):
         return float((p[0] - p[1]) / (near[0] - near[1]))
 
     def _find_pole(self) -> float:
-        """Where g stops to be finite and increasing after it has steepened; inf if it never does."""
+        """The compression where g, having steepened, is no longer finite and increasing; inf if there is none."""
         with np.errstate(all="ignore"):
             good = self.compression_range * 2.0 ** np.arange(64)
             p = np.array([self._at_or_nan(c) for c in good])

@@ -88,7 +88,7 @@ class ExponentialLayer(LimitedLayer):
 
         p = p₀ e^(β d) with the overclosure d and β = log(100)/c₀.
 
-        Source: CalculiX CrunchiX user's manual, *SURFACE BEHAVIOR.
+        Source: CalculiX CrunchiX user's manual, ``*SURFACE BEHAVIOR``.
 
         Args:
             p0: The pressure at no clearance (stress).

@@ -75,7 +75,7 @@ class LimitedLayer(Layer):
         return self._known_depth(np.minimum(p, end)) + np.maximum(p - end, 0.0) / slope
 
     def _split(self, c: Floats) -> tuple[Floats, Floats | None]:
-        """c up to the limit, and what of it is beyond, None where nothing is."""
+        """The compressions up to the limit, and the parts beyond it, None where there are none."""
         if not np.any(c > self.compression_limit):
             return c, None
         return np.minimum(c, self.compression_limit), np.maximum(c - self.compression_limit, 0.0)

@@ -34,9 +34,9 @@ class SeriesLayer(Layer):
     def __init__(self, *layers: Layer) -> None:
         if len(layers) < 2:
             raise TypeError(f"layers = {layers!r}: expected two layers or more")
-        for place, layer in enumerate(layers):
+        for index, layer in enumerate(layers):
             if not isinstance(layer, Layer):
-                raise TypeError(f"layers[{place}] = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
+                raise TypeError(f"layers[{index}] = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
         self.layers = layers
 
     def __repr__(self) -> str:
@@ -58,7 +58,7 @@ class SeriesLayer(Layer):
 
     @functools.cached_property
     def compression_limit(self) -> float | Floats:
-        """Where the first of them reaches its own limit."""
+        """The compression at which the first of the layers reaches its own limit (length)."""
         limits = [layer.compression_limit for layer in self.layers]
         if np.all(np.isinf(limits[0])) and all(np.all(np.isinf(limit)) for limit in limits):
             return np.inf

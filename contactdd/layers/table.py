@@ -293,8 +293,8 @@ def _increasing(c: Floats, p: Floats, rows: NDArray[np.intp], noise: float) -> t
     rows: the rows' numbers for the reader; noise: how much a pressure may be moved.
     """
     blocks: list[list[int]] = []
-    for place in range(len(c)):
-        blocks.append([place])
+    for row in range(len(c)):
+        blocks.append([row])
         while len(blocks) > 1 and not (
             c[blocks[-1]].mean() > c[blocks[-2]].mean() and p[blocks[-1]].mean() > p[blocks[-2]].mean()
         ):
@@ -322,13 +322,13 @@ def _read_columns(path: Path, names: tuple[str, str], delimiter: str) -> list[Fl
         if header.count(name) != 1:
             raise ValueError(f"{path}: column {name!r}: expected one of {', '.join(map(repr, header)) or 'a header'}")
     numbered = [(line, row) for (line, _), row in zip(lines[1:], rows[1:], strict=True)]
-    places = [header.index(name) for name in names]
-    return [np.array([_number(path, line, row, place, delimiter) for line, row in numbered]) for place in places]
+    columns = [header.index(name) for name in names]
+    return [np.array([_number(path, line, row, column, delimiter) for line, row in numbered]) for column in columns]
 
 
-def _number(path: Path, line: int, row: list[str], place: int, delimiter: str) -> float:
+def _number(path: Path, line: int, row: list[str], column: int, delimiter: str) -> float:
     """The number in a column of a row."""
-    text = row[place].strip() if place < len(row) else ""
+    text = row[column].strip() if column < len(row) else ""
     try:
         return float(text.replace(",", ".") if delimiter == ";" else text)
     except ValueError:

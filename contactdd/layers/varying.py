@@ -14,7 +14,7 @@ from ..layer import Layer
 
 
 class VaryingLayer(Layer):
-    """A law with parameters that are functions of the place, such as a coating of uneven thickness.
+    """A law with parameters that are functions of the coordinates, such as a coating of uneven thickness.
 
     A scene evaluates them once, at the points of the contact on the first surface. Elsewhere the law has no place to
     be evaluated at; `layer.at(x)` has one, its values belong to the points x (dim, n) in their order.
@@ -120,12 +120,12 @@ class LayerAtPoints(Layer):
     def check(self, x: Floats) -> None:
         """Refuse a law that doesn't work point by point: at the first and last point it is made on its own."""
         depths = self.law._depth(np.full(self.count, 1.0))
-        for place in (0, -1) if self.count else ():
-            alone = self.origin.law(**{name: float(_pick(v, place)) for name, v in self.values.items()})
+        for point in (0, -1) if self.count else ():
+            alone = self.origin.law(**{name: float(_pick(v, point)) for name, v in self.values.items()})
             expected = float(alone._depth(np.array(1.0)))
-            if depths.shape != (self.count,) or not np.isclose(depths[place], expected, rtol=1e-9, atol=0.0):
+            if depths.shape != (self.count,) or not np.isclose(depths[point], expected, rtol=1e-9, atol=0.0):
                 raise ValueError(
-                    f"{self!r}: its law doesn't work point by point at x = {x[:, place]}; expected one like PowerLayer"
+                    f"{self!r}: its law doesn't work point by point at x = {x[:, point]}; expected one like PowerLayer"
                 )
 
 

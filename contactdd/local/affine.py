@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ..mesh import Mesh
 
 
-#: The share of an element's nodes that lies inside of the cell, from which on cells are better eliminated one by one.
+#: Fraction of interior nodes from which cell-wise condensation pays.
 WORTHWHILE = 0.11
 
 
@@ -133,7 +133,7 @@ def _jacobians(mesh: Mesh) -> Floats:
 
 
 def _nodes(mesh: Mesh) -> Floats:
-    """Where the nodes of every cell are, (cells, nodes, dim)."""
+    """The coordinates of every cell's nodes, (cells, nodes, dim)."""
     return mesh.domain.geometry.x[compat.geometry_dofmap(mesh.domain), : mesh.dim]
 
 

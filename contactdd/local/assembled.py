@@ -136,5 +136,5 @@ class _RobinSystem:
 
     @cached_property
     def _diagonal(self) -> Indices:
-        """Where the diagonal stands among the entries of the stiffness matrix."""
+        """The positions of the diagonal among the entries of the stiffness matrix."""
         return entry_positions(self.matrix, scipy.sparse.eye(self.matrix.shape[0], format="csr"))

@@ -16,6 +16,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..base.spectral import SpectralStiffness
 from ..interface.discretise import Interface, InterfaceSide
 from .assembled import AssembledProblem
 from .condensed import CondensedProblem
@@ -26,6 +27,7 @@ from .meshless import MeshlessProblem
 from .multigrid import MultigridProblem
 from .problem import LocalProblem
 from .remote import CollectiveOperator, RemoteProblem, SharedProblem
+from .spectral import SpectralProblem
 from .task import LocalTask
 
 #: The kind of a problem that a body makes itself.
@@ -37,6 +39,12 @@ LocalSolver = Callable[[LocalTask], LocalProblem]
 def _assembled(task: LocalTask) -> LocalProblem:
     refuse_if_too_large(task.body)
     return AssembledProblem(task)
+
+
+def _meshless(task: LocalTask) -> LocalProblem:
+    """The problem of a body without a mesh: by dense algebra, or by transforms where its stiffness is spectral."""
+    stiffness = task.body.stiffness()
+    return SpectralProblem(task, stiffness) if isinstance(stiffness, SpectralStiffness) else MeshlessProblem(task)
 
 
 #: The local solvers by name.
@@ -111,7 +119,7 @@ class LocalSolvers:
         return other
 
     def _kind(self, body: Any, local_solver: str) -> str:
-        """The name under which a body's problem is kept; what a body brings itself has precedence."""
+        """The name under which a body's problem is kept; a body's own local solver has precedence."""
         if body.mesh is None or callable(body.local_solver):
             return OWN
         name = body.local_solver or local_solver
@@ -120,14 +128,14 @@ class LocalSolvers:
     def _problem(self, kind: str, index: int) -> LocalProblem:
         """One body's local problem, made when first asked for."""
         if (kind, index) not in self._problems:
-            make = (self._bodies[index].local_solver or MeshlessProblem) if kind == OWN else LOCAL_SOLVERS[kind]
+            make = (self._bodies[index].local_solver or _meshless) if kind == OWN else LOCAL_SOLVERS[kind]
             self._problems[kind, index] = make(self._task(kind, index))
         return self._problems[kind, index]
 
     def _dealt_out(self, kinds: Sequence[str]) -> list[LocalProblem]:
-        """The problems of the bodies that this rank holds, and of the others what their owners share.
+        """The problems of the bodies that this rank holds, and of the others the shared parts.
 
-        What a body brings itself is small, and is made by every rank.
+        A body's own local problem is small, and is made by every rank.
         """
         ranks = self._ranks
         missing = any((kind, index) not in self._problems for index, kind in enumerate(kinds))
@@ -142,7 +150,7 @@ class LocalSolvers:
         return [self._problem(kind, index) for index, kind in enumerate(kinds)]
 
     def _task(self, kind: str, index: int) -> LocalTask:
-        """What the local solver of a body is given."""
+        """The task of a body's local solver."""
         body, ranks = self._bodies[index], self._ranks
         task = LocalTask(body, self._sides[index], None if body.mesh is None else self._discrete_body(index))
         if not ranks.alone and ranks.owns(index):
@@ -166,7 +174,7 @@ class LocalSolvers:
                 yield other, signs * copied[1]
 
     def _discrete_body(self, index: int) -> DiscreteBody:
-        """One body without its contacts, made when first asked for; a copy takes over what its original has."""
+        """One body without its contacts, made when first asked for; a copy takes over its original's matrices."""
         if index not in self._discrete:
             found = self._originals[index]
             original = None if found is None or found[0] not in self._discrete else (self._discrete[found[0]], found[1])

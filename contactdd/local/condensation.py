@@ -30,7 +30,7 @@ class Condensation(Protocol):
         ...
 
     def condense_load(self, forces: Floats) -> tuple[Floats, float]:
-        """f_c − K_ce K_ee⁻¹ f_e, what forces on all unknowns are on the kept ones, and their work f_e · K_ee⁻¹ f_e."""
+        """The condensed forces f_c − K_ce K_ee⁻¹ f_e on the kept unknowns, and the others' work f_e · K_ee⁻¹ f_e."""
         ...
 
     def recover(self, kept: Floats, forces: Floats) -> Floats:
@@ -147,7 +147,7 @@ class ElementCondensation:
         return scipy.sparse.csr_matrix(entries, shape=(len(self._positions), len(self._skeleton)))
 
     def _complements(self, part: slice) -> Floats:
-        """Some cells seen from the unknowns around them, (cells, outer, outer)."""
+        """The Schur complements of some cells in the unknowns around them, (cells, outer, outer)."""
         around = self.cells.block(self.cells.integrals.outer, part)
         for block, matrix, coupling in zip(around, *self._inside(part), strict=True):
             half = _half(matrix.T, coupling.T)
@@ -155,7 +155,7 @@ class ElementCondensation:
         return around
 
     def _onto_skeleton(self, forces: Floats) -> tuple[Floats, float]:
-        """What forces on all unknowns are on the skeleton, and the work of those inside of the cells."""
+        """The condensed forces on the skeleton, and the work of the forces inside of the cells."""
         inner, on_skeleton, work = forces[self._inner], forces[self._skeleton], 0.0
         if not np.any(inner):
             return on_skeleton, work
@@ -192,7 +192,7 @@ class MirroredCondensation:
 
 
 def _cholesky(matrix: Floats) -> Floats:
-    """L of a symmetric matrix K = L Lᵀ that stands in memory column by column; above the diagonal it is not zeroed."""
+    """The factor L of a symmetric matrix K = L Lᵀ stored by columns; entries above the diagonal are not zeroed."""
     lower, info = scipy.linalg.lapack.dpotrf(matrix, lower=1, clean=0)
     if info != 0:
         raise np.linalg.LinAlgError("the matrix of the eliminated unknowns is not positive definite")
@@ -207,15 +207,15 @@ def _half(matrix: Floats, coupling: Floats) -> Floats:
 def _sparse_sum(blocks: Floats, gather: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
     """Σ Pᵀ B P of the blocks (cells, n, n), P the rows of `gather` (cells · n, unknowns) that belong to a cell."""
     count, size, _ = blocks.shape
-    places = np.arange(count + 1)
-    diagonal = scipy.sparse.bsr_matrix((blocks, places[:-1], places), shape=(count * size, count * size))
+    positions = np.arange(count + 1)
+    diagonal = scipy.sparse.bsr_matrix((blocks, positions[:-1], positions), shape=(count * size, count * size))
     product = gather.T.tocsr() @ diagonal.tocsr() @ gather
     return product.T.tocsr()  # the same, but every row's entries are in order
 
 
-def _dense_sum(blocks: Floats, places: NDArray[np.intp], size: int) -> Floats:
-    """The same sum as a dense matrix (size, size); places: of every row of P, `size` where it is zero."""
-    rows = places.reshape(len(blocks), -1)
+def _dense_sum(blocks: Floats, positions: NDArray[np.intp], size: int) -> Floats:
+    """The same sum as a dense matrix (size, size); positions: of every row of P, `size` where it is zero."""
+    rows = positions.reshape(len(blocks), -1)
     flat = (size + 1) * rows[:, :, None] + rows[:, None]
     total = np.asarray(np.bincount(flat.ravel(), blocks.ravel(), (size + 1) ** 2), dtype=float)
     return total.reshape(size + 1, -1)[:size, :size]

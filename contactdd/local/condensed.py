@@ -28,7 +28,7 @@ VANISHES = 1e-8
 class CondensedProblem:
     """S + Φ in the displacements that the contacts touch; the inside is recovered when it is asked for.
 
-    A step costs one dense Cholesky factorisation. A body that copies another takes over its condensation.
+    A step costs one dense Cholesky factorisation. A copy of another body takes over its condensation.
     """
 
     factor_free = False

@@ -21,7 +21,7 @@ from ..support import Fixed, Symmetry
 
 
 def originals(bodies: Sequence[Any]) -> list[tuple[int, Floats] | None]:
-    """Of every body the index of the first one that it copies, with the signs of `signs_between`; None if of none."""
+    """The index of the first body that each body copies, with the signs of `signs_between`; None if it is no copy."""
     found: list[tuple[int, Floats] | None] = []
     firsts: dict[Hashable, list[int]] = {}
     for index, body in enumerate(bodies):
@@ -34,7 +34,7 @@ def originals(bodies: Sequence[Any]) -> list[tuple[int, Floats] | None]:
 
 
 def _likeness(body: Body) -> Hashable:
-    """What copies have in common and is found at once."""
+    """A cheap key that all copies of a body share."""
     mesh, material = body.mesh, body.material
     constants = material if isinstance(material, Isotropic) and not material.varies else id(material)
     cells = mesh.domain.topology.cell_name(), mesh.cells, len(mesh.domain.geometry.x)

@@ -1,4 +1,4 @@
-"""How much memory a factorisation will take, before it is taken, and which local solver follows from that."""
+"""The memory that a factorisation will take, estimated in advance, and the local solver that follows from it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 LARGEST_FACTORED_SOLID = 60_000
 
 
-#: Unknowns of a body that is too small to ask for the memory.
+#: Unknowns of a body up to which memory need not be estimated.
 ALWAYS_FACTORED = 20_000
 
 
@@ -40,7 +40,7 @@ def refuse_if_too_large(body: Body) -> None:
 
 
 def _is_small(body: Body) -> bool:
-    """Whether a body is too small to ask for the memory; mostly its cells tell, before it has a space."""
+    """Whether a body is so small that memory need not be estimated; mostly the number of cells decides."""
     return body.mesh.cells * body.elements.element.dim <= ALWAYS_FACTORED or body.dofs <= ALWAYS_FACTORED
 
 
@@ -57,7 +57,7 @@ def factor_bytes(dim: int, unknowns: int) -> float:
 
 
 def available_bytes() -> float:
-    """What the machine says it can still give, or infinity where it does not say."""
+    """The free memory of the machine in bytes, infinity where it is unknown."""
     try:
         lines = Path("/proc/meminfo").read_text().splitlines()
     except OSError:

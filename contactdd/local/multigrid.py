@@ -17,7 +17,7 @@ from .problem import ContactTrace, Fields, Solver, contact_traces, free_fixing_d
 from .rigid import RigidMotions
 from .task import LocalTask
 
-#: How many times stiffer than the body's surface the Robin term is that holds a start at given displacements.
+#: Stiffness of the Robin term that enforces a start's displacements, over that of the body's surface.
 STIFF_START = 1e3
 
 

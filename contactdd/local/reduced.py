@@ -157,7 +157,7 @@ class ReducedDofs:
         return self._basis.T @ self.discrete.free_forces(forces)
 
     def reactions(self, forces: Floats) -> Floats:
-        """The forces of supports and of what keeps the body's shape, which have no resultant of their own."""
+        """The forces of supports and of the constraints on the body's shape, which have no resultant of their own."""
         return forces - self.discrete.space.extended(self._basis @ self.free_forces(forces))
 
     def resultant(self, forces: Floats) -> Floats:

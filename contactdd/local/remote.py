@@ -1,4 +1,4 @@
-"""A body that another rank holds, seen from its contacts: all of its local problem but its inside and its solves."""
+"""A body that another rank holds: its local problem without the inside and the solves."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import scipy
 
 from ..base.arrays import Floats, Indices, Operator
 from ..base.ranks import Ranks
+from ..base.spectral import SpectralStiffness
 from .condensed import CondensedProblem, seen_from
 from .dense import DenseSystem
 from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
@@ -43,12 +44,14 @@ class CollectiveOperator:
 
 def as_matrix(operator: Any) -> Operator:
     """The matrix of an operator; one that a single rank holds is sent to all."""
+    if isinstance(operator, SpectralStiffness):
+        return operator.toarray()
     return operator.gathered() if isinstance(operator, CollectiveOperator) else operator
 
 
 @dataclass(frozen=True)
 class SharedProblem:
-    """What the other ranks need to know of a local problem.
+    """The part of a local problem that is sent to the other ranks.
 
     Attributes:
         kept: The unknowns of the admissible space that are its unknowns, None for all.
@@ -69,7 +72,7 @@ class SharedProblem:
 
     @classmethod
     def of(cls, problem: Any) -> SharedProblem:
-        """What is shared of a problem of a meshed body."""
+        """The shared part of the problem of a meshed body."""
         rigid = problem.rigid
         if isinstance(problem, CondensedProblem):
             motions = rigid.modes, rigid.owners[0].coefficients, rigid.springs

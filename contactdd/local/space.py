@@ -94,7 +94,7 @@ class AdmissibleSpace:
         return self.mixing.T @ forces if self.mixing is not None else forces[self.free_dofs]
 
     def prevented(self, u: Floats) -> Floats:
-        """The rows, but for zero ones, of what displacements (dofs, n) have that the supports do not allow."""
+        """The components of displacements u (dofs, n) that violate the supports; zero rows are dropped."""
         if self.mixing is not None:
             rest = u - self.extended(self.restricted(u))
             return rest[np.any(rest, axis=1)]
@@ -144,7 +144,7 @@ class AdmissibleSpace:
         return chosen
 
     def _numbered(self, unknowns: Indices) -> NDArray[np.int32]:
-        """The place of every degree of freedom's unknown among the given ones, −1 where it has none there."""
+        """The position of every degree of freedom among given unknowns, −1 where it is none of them."""
         numbers = np.full(len(self.offset), -1, dtype=np.int32)
         numbers[self.free_dofs[unknowns]] = np.arange(len(unknowns), dtype=np.int32)
         return numbers
@@ -177,7 +177,7 @@ def admissible_space(body: Body) -> AdmissibleSpace:
 
 
 def _carried_along(body: Body, space: AdmissibleSpace) -> AdmissibleSpace:
-    """The same displacements, u₀ with the rigid motion closest to what is prescribed (least squares)."""
+    """The same space, with the rigid motion closest to the prescribed displacements (least squares) in u₀."""
     if not space.has_offset:
         return space
     modes = body.rigid_modes()

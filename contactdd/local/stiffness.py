@@ -50,5 +50,5 @@ class Stiffness:
         return self.cells.forces(u) + self.spring_forces(u)
 
     def spring_forces(self, u: Floats) -> Floats:
-        """What the springs do against displacements (dofs,) or (dofs, n)."""
+        """The forces of springs under displacements (dofs,) or (dofs, n)."""
         return self.springs @ u if self.has_springs else np.zeros_like(u)

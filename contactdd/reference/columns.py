@@ -85,7 +85,7 @@ def column_stack(
 ) -> ColumnStack:
     """The stack of n columns (ν = 0) with n − 1 layers and gaps, its ends brought together.
 
-    p Σ H_i/E_i + Σ |w_j(p)| = closure − Σ gaps ("Known answers"), to rounding; p = 0 if the right side is ≤ 0.
+    ``p Σ H_i/E_i + Σ |w_j(p)| = closure − Σ gaps`` ("Known answers"), to rounding; p = 0 if the right side is ≤ 0.
 
     Args:
         heights: (n,) The heights of the columns (length).

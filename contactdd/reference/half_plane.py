@@ -36,7 +36,7 @@ class HalfPlaneGroove:
     closed: bool
 
     def gap(self, x: ArrayLike) -> Floats:
-        """The gap r0 (a*/b)³ (1 − x²/a*²)^(3/2) that stays open on |x| < a*, else 0 (length).
+        """The gap r0 (a*/b)³ (1 − x²/a*²)^(3/2) that stays open on ``|x| < a*``, else 0 (length).
 
         Args:
             x: Coordinates along the contact (length), of any shape.
@@ -51,8 +51,8 @@ class HalfPlaneGroove:
         """The contact pressure at any x (stress).
 
         The bulge of the half-planes is the Hilbert transform of the pressure's deviation from q, so that closing a
-        groove (b, r0) changes it by 2 q_c P(x/b), P(ξ) = ξ² − ½ in the groove, ξ² − ½ − |ξ| √(ξ² − 1) beside it. What
-        stays open is a groove (a*, r0 (a*/b)³), to be taken off again.
+        groove (b, r0) changes it by 2 q_c P(x/b), P(ξ) = ξ² − ½ in the groove, ``ξ² − ½ − |ξ| √(ξ² − 1)`` beside it.
+        The part that stays open is a groove (a*, r0 (a*/b)³), which is subtracted again.
 
         Args:
             x: Coordinates along the contact (length), of any shape.

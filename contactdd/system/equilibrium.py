@@ -14,7 +14,7 @@ from ..errors import LooseBodyError
 from ..interface.discretise import Interface, discretise
 from .ensemble import Ensemble
 
-#: Loads that are in balance cancel to rounding; this part of them leaves room for that and for no real load.
+#: Largest resultant of loads in balance, relative to the loads: room for rounding and for no real load.
 BALANCED = 1e-9
 
 
@@ -22,7 +22,7 @@ BALANCED = 1e-9
 NEAR_EDGES = 30
 
 
-#: What a user can do where the loads' resultant passes between the outermost integration points and the edge.
+#: Advice where the loads' resultant passes between the outermost integration points and the edge.
 AT_THE_EDGE = (
     "; the load lies so near the contact's edge that no integration point is as far out: expected a larger "
     "quadrature_degree of the contact, or a finer mesh at its edge"

@@ -1,4 +1,4 @@
-"""What the ranks of a scene must have in common, compared before a solve: else each would find another wrong answer.
+"""The agreement of the ranks on a scene, compared before a solve: else each would find another wrong answer.
 
 Texts are compared as they are, numbers to rounding, which other processors may do otherwise.
 """
@@ -24,7 +24,7 @@ from ..scene import Scene
 SAME = 1e-12
 
 
-#: A label and what is told of it: a text, or (Σ cᵢ xᵢ, Σ |xᵢ|) of numbers x; None agrees with everything.
+#: A label and its key: a text, or (Σ cᵢ xᵢ, Σ |xᵢ|) of numbers x; None agrees with everything.
 Told = tuple[str, str | tuple[float, float] | None]
 
 
@@ -91,7 +91,7 @@ def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:
 
 
 def _of_value(body: Body, item: Any, value: Any) -> list[str | tuple[float, float] | None]:
-    """What a value of a support or load tells, or its entries where it is a list."""
+    """The key of a value of a support or load, or of its entries where it is a list."""
     value = current(value)
     if isinstance(value, ufl.core.expr.Expr):
         return [_measure(array) for array in _arrays(value)] + [type(value).__name__]
@@ -103,7 +103,7 @@ def _of_value(body: Body, item: Any, value: Any) -> list[str | tuple[float, floa
 
 
 def _points(body: Body, item: Any) -> Any:
-    """Where fields of a support or load are sampled: in the middle of its facets, or at all nodes; (3, points)."""
+    """The points (3, points) at which fields of a support or load are sampled: its facets' middles, or all nodes."""
     domain, surface = body.mesh.domain, getattr(item, "surface", None)
     if surface is None:
         return domain.geometry.x.T

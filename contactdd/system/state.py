@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ..base.arrays import Floats
 
-#: A Robin coefficient φ at the points of every interface, by the interfaces' places.
+#: A Robin coefficient φ at the points of every interface, by the interfaces' indices.
 Phi = Mapping[int, Floats]
 
 

@@ -153,7 +153,7 @@ def _in_space(points: Floats) -> Floats:
 
 
 def shown(body: BodyResult, component: str) -> Floats:
-    """What a picture shows of a body at its nodes, (n,)."""
+    """The values that a picture shows at a body's nodes, (n,)."""
     if component == "von Mises":
         return body.von_mises
     if component == "displacement":

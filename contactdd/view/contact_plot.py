@@ -73,7 +73,7 @@ def natural_place(result: ContactResult) -> str:
 
 
 def place(result: ContactResult, along: str, about: Sequence[float] | None = None) -> Floats:
-    """Where the points are along a contact, (n,), see `plot_contact`."""
+    """The coordinates of the points along a contact, (n,), see `plot_contact`."""
     if along == "arc length":
         return result.arc_length
     if along == "radius":

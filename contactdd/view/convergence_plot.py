@@ -30,7 +30,7 @@ def rate(values: Floats) -> float:
 def plot_convergence(
     runs: Mapping[str, Floats], *, quantity: str = "residual", path: str | os.PathLike[str] | None = None
 ) -> Figure:
-    """A figure of what `quantity` ("residual" or "change") was in every iteration of one or several runs.
+    """A figure of `quantity` ("residual" or "change") over the iterations of one or several runs.
 
     The legend gives each run's fitted `rate`, where there is one.
     """

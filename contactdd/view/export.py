@@ -22,7 +22,7 @@ VERTEX = 1
 
 @dataclass(frozen=True)
 class Fields:
-    """All that is written of one solution: its bodies, and of each contact its name, its points and the surfaces."""
+    """The results of a solution for files: its bodies, and of each contact its name, its points and the surfaces."""
 
     bodies: Sequence[BodyResult]
     contacts: Sequence[tuple[str, ContactResult, Surfaces]]

@@ -1,4 +1,4 @@
-"""What a drawing gives back: a matplotlib figure or rendered pixels; a notebook shows either."""
+"""Pictures: matplotlib figures or rendered pixels, both shown by a notebook."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ from ..base.arrays import Floats, Indices
 TYPES = {"float64": "Float64", "int64": "Int64", "uint8": "UInt8"}
 
 
-#: The names and the order of the components of a symmetric tensor in VTK, by their places among xx, yy, zz, yz, xz, xy.
+#: The components of a symmetric tensor in VTK's order, and their positions among xx, yy, zz, yz, xz, xy.
 TENSOR = {"XX": 0, "YY": 1, "ZZ": 2, "XY": 5, "YZ": 3, "XZ": 4}
 
 
@@ -98,7 +98,7 @@ def _array(name: str, values: NDArray, tag: str) -> str:
         values = _in_space(values)
         attributes += f' NumberOfComponents="{values.shape[1]}"'
         if values.shape[1] == 6:
-            attributes += "".join(f' ComponentName{place}="{name}"' for place, name in enumerate(TENSOR))
+            attributes += "".join(f' ComponentName{position}="{name}"' for position, name in enumerate(TENSOR))
     kind = np.dtype(np.uint8) if values.dtype == np.uint8 else np.dtype("<i8" if values.dtype.kind in "iub" else "<f8")
     raw = np.ascontiguousarray(values, dtype=kind).tobytes()
     # The number and the data are one text in base 64.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..surface_result import SurfaceResult
 
-#: What XDMF calls facets of so many corners.
+#: XDMF's names of facets by their number of corners.
 SHAPES = {2: "Polyline", 3: "Triangle", 4: "Quadrilateral"}
 
 
