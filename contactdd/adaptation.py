@@ -203,7 +203,7 @@ def _marked(estimate: ErrorEstimate) -> dict[str, Integers]:
     ]
     kept = _largest(np.concatenate(energies), ENERGY_SHARE)
     for place, part in enumerate(np.split(kept, np.cumsum([len(each) for each in energies])[:-1])):
-        chosen[place] |= {int(cell) for cell in np.flatnonzero(part)}
+        chosen[place].update(int(cell) for cell in np.flatnonzero(part))
     return {body.name: np.array(sorted(cells)) for body, cells in zip(bodies, chosen, strict=True) if cells}
 
 
