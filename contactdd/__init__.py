@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0"
 
+from .adaptation import Adaptation, Round, adapt
 from .base import compat
 from .body import Body
 from .body_result import BodyResult
@@ -107,6 +108,7 @@ _LAWS = {
 __all__ = [
     "LOCAL_SOLVERS",
     "SCHEMES",
+    "Adaptation",
     "Anisotropic",
     "AxisymmetricHalfSpace",
     "Body",
@@ -169,6 +171,7 @@ __all__ = [
     "ReducedProblem",
     "Resultant",
     "RigidBody",
+    "Round",
     "SavedSolution",
     "Scene",
     "Scheme",
@@ -183,6 +186,7 @@ __all__ = [
     "TableLayer",
     "Traction",
     "VaryingLayer",
+    "adapt",
     "box",
     "compat",
     "error_estimate",

@@ -131,13 +131,21 @@ class Body:
                 belongs to the present mesh.
         """
         if mesh is not self.mesh:
-            for item in (*self.supports, *self.loads):
-                if any(isinstance(value, ufl.core.expr.Expr) for value in _flat(vars(item).values())):
-                    raise ValueError(
-                        f"body {self.name!r}: its {type(item).__name__} is a UFL expression, which belongs to its "
-                        "mesh; expected a number or a function of the coordinates"
-                    )
+            self.refuse_expressions()
         return self._made_anew(mesh, self.degree)
+
+    def refuse_expressions(self) -> None:
+        """Refuse supports and loads that belong to the present mesh.
+
+        Raises:
+            ValueError: One of them is a UFL expression.
+        """
+        for item in (*self.supports, *self.loads):
+            if any(isinstance(value, ufl.core.expr.Expr) for value in _flat(vars(item).values())):
+                raise ValueError(
+                    f"body {self.name!r}: its {type(item).__name__} is a UFL expression, which belongs to its mesh; "
+                    "expected a number or a function of the coordinates"
+                )
 
     def _made_anew(self, mesh: Mesh, degree: int) -> Body:
         """The same body on another mesh or of another degree, checked as a new one is."""

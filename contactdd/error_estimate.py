@@ -8,6 +8,7 @@ meshes that resolve the contact; it is an estimate and no bound.
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -21,6 +22,7 @@ from .base.checks import as_count
 from .body import Body
 from .contact import Contact
 from .contact_result import ContactResult
+from .errors import ContactWarning
 from .scene import Scene
 from .solution import STIFF, Solution
 from .solve import solve
@@ -234,6 +236,8 @@ def error_estimate(solution: Solution, *, degrees: int = 1) -> ErrorEstimate:
         TypeError, ValueError: It is no solution, elements of a degree so high do not exist, or elements of degree 2
             and more meet a contact whose pressure is linear between nodes of the mesh however they are: a hard one, or
             one of a layer far stiffer than they are, on meshes that do not match.
+        ContactWarning: As a warning, the same with elements of degree 1: the error may be several times the estimate
+            where pressures rise steeply.
         NotConvergedError: The better solve does not end.
 
     Example:
@@ -252,7 +256,7 @@ def error_estimate(solution: Solution, *, degrees: int = 1) -> ErrorEstimate:
     higher = as_count("degrees", degrees)
     began = time.process_time()
     for index in range(len(solution.scene.contacts)):
-        _refuse_nodal_pressure(solution, index)
+        _doubt_nodal_pressure(solution, index)
     with solution.scene.at(solution.parameter_values):
         scene = _raised(solution.scene, higher)
         better = solve(scene, start=solution, local_solver=solution.local_solver, progress=False)
@@ -260,19 +264,27 @@ def error_estimate(solution: Solution, *, degrees: int = 1) -> ErrorEstimate:
     return ErrorEstimate(solution, better, contacts, time.process_time() - began)
 
 
-def _refuse_nodal_pressure(solution: Solution, index: int) -> None:
-    """Refuse a pressure that is linear between nodes whatever the elements' degree, where its error is that of this.
+def _doubt_nodal_pressure(solution: Solution, index: int) -> None:
+    """Warn of a pressure that is linear between nodes of the mesh whatever the elements' degree, or refuse it.
 
-    Elements of degree one do no better themselves. Under a soft layer the pressures of nodes differ by as much as the
-    elements' displacements do.
+    Elements of degree 1 do hardly better themselves, but where pressures rise steeply. Under a soft layer the pressures
+    of nodes are off by as much as the elements' displacements are.
     """
     interface, result = solution.interfaces[index], solution.contact(index)
-    nodal = result.hard or result.wavers or (interface.gathered is not None and result.stiffness_ratio > STIFF)
-    if nodal and max(body.degree for body, _ in interface.contact.sides if body.mesh is not None) > 1:
-        layer = "no layer" if result.hard else f"a layer {result.stiffness_ratio:.3g} times as stiff as the elements"
+    if not (result.hard or result.wavers or (interface.gathered is not None and result.stiffness_ratio > STIFF)):
+        return
+    layer = "no layer" if result.hard else f"a layer {result.stiffness_ratio:.3g} times as stiff as the elements"
+    told = f"contact {interface.contact.name!r}: with {layer} its pressure is linear between nodes of the mesh"
+    if max(body.degree for body, _ in interface.contact.sides if body.mesh is not None) > 1:
         raise ValueError(
-            f"contact {interface.contact.name!r}: with {layer} its pressure is linear between nodes of the mesh, of "
-            "which elements of a higher degree tell nothing; expected elements of degree 1, or meshes that match"
+            f"{told}, of which elements of a higher degree tell nothing; expected elements of degree 1, or meshes that "
+            "match and a layer"
+        )
+    if solution.scene.ranks.comm.rank == 0:
+        warnings.warn(
+            f"{told}: its error may be several times the estimated one where pressures rise steeply",
+            ContactWarning,
+            stacklevel=3,
         )
 
 

@@ -39,16 +39,6 @@ class Kinematics:
     plane_stress: bool = False
     axisymmetric: bool = False
 
-    @property
-    def ring(self) -> bool:
-        """The old name of `axisymmetric`."""
-        return self.axisymmetric
-
-    @property
-    def stress_free(self) -> bool:
-        """The old name of `plane_stress`."""
-        return self.plane_stress
-
     def reduce(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
         """The stiffness between the free components, from the full (..., 6, 6) one.
 

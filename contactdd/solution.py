@@ -559,10 +559,10 @@ class Solution:
         Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
         """
         motions = self._ensemble.rigid
-        if motions.modes.shape[1] == 0 or motions.kernel.shape[1] == 0:
+        if motions.modes.shape[1] == 0 or motions.unresisted.shape[1] == 0:
             return fields
         moves = []
-        parts = motions.by_owner(motions.kernel)
+        parts = motions.by_owner(motions.unresisted)
         for problem, owner, part in zip(self._ensemble.problems, motions.owners, parts, strict=True):
             moves.append(problem.dofs.rigid_displacements(owner.coefficients @ part))
         drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]

@@ -45,6 +45,7 @@ LEVELS = [
     ["doubts"],
     ["solve"],
     ["error_estimate"],
+    ["adaptation"],
     ["programme"],
 ]
 LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}

@@ -61,9 +61,7 @@ class DenseSystem:
         """
         if len(self.stiffness) == 0:
             return np.zeros((0, 0))
-        matrix = self._system(phi)
-        fixed = free_fixing_dofs(self.rigid, phi)
-        matrix[fixed, fixed] += self.rigid.stiffness_scale
+        matrix = self._fixed_system(phi, free_fixing_dofs(self.rigid, phi))
         return scipy.linalg.eigh(self.stiffness, matrix, subset_by_value=(-np.inf, below))[1]
 
     def start(self, normal_displacement: Mapping[int, Floats]) -> Floats:
@@ -91,13 +89,18 @@ class DenseSystem:
             matrix.ravel()[positions] += weights @ phi[trace.interface]
         return matrix
 
+    def _fixed_system(self, phi: Mapping[int, Floats], fixed: Indices) -> Floats:
+        """S + Φ with these unknowns fixed."""
+        matrix = self._system(phi)
+        # A rigid body has no stiffness but that of its contacts.
+        matrix[fixed, fixed] += self.rigid.stiffness_scale or matrix.diagonal().max()
+        return matrix
+
     def _solver(self, phi: Mapping[int, Floats], fixed: Indices) -> Solver:
         """(S + Φ)⁻¹ with these unknowns fixed."""
         if len(self.stiffness) == 0:  # supports hold all that the contacts touch, which LAPACK would refuse
             return np.copy
-        matrix = self._system(phi)
-        # A rigid body has no stiffness but that of its contacts.
-        matrix[fixed, fixed] += self.rigid.stiffness_scale or matrix.diagonal().max()
+        matrix = self._fixed_system(phi, fixed)
         factor, info = scipy.linalg.lapack.dpotrf(matrix.T, lower=True, clean=False, overwrite_a=True)
         if info != 0:
             raise np.linalg.LinAlgError(f"body {self.name!r}: S + Φ is not positive definite")

@@ -97,7 +97,7 @@ class RigidMotions:
         limit = 1e-14 * max(self.stiffness_scale, float(np.abs(resistance).max()))
         # Mostly the contacts resist all that they ever could.
         if _smallest(resistance) > limit:
-            return self._unresisted
+            return self.unresisted
         # Use the square roots: forming RᵀR would mix resisted motions into the free ones at the rounding of the
         # stiffest layer.
         springs, directions = np.linalg.eigh(self.elastic)
@@ -106,7 +106,7 @@ class RigidMotions:
         return motions[singular**2 <= limit].T
 
     @cached_property
-    def _unresisted(self) -> Floats:
+    def unresisted(self) -> Floats:
         """The kernel motions, (motions, unresisted); none if springs soft enough for the kernel resist any of them."""
         resistance = self.kernel.T @ self.elastic @ self.kernel
         return self.kernel[:, : 0 if np.any(np.abs(resistance) > 1e-14 * self.stiffness_scale) else None]
@@ -114,7 +114,7 @@ class RigidMotions:
     @cached_property
     def _elastic_with_kernel_fixed(self) -> Floats:
         """The stiffness of springs against the motions, with the unresisted ones fixed."""
-        return self.elastic + self.stiffness_scale * (self._unresisted @ self._unresisted.T)
+        return self.elastic + self.stiffness_scale * (self.unresisted @ self.unresisted.T)
 
     @cached_property
     def kernel(self) -> Floats:

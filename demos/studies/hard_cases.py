@@ -2,13 +2,15 @@
 
 Each run has to bring the weak residual to 1e-10 of the forces, or say that it cannot. What converged is compared with
 a coupled solution found in another way (all displacements of all bodies in one sparse system, chord coefficients), or
-with a closed form.
+with a closed form. Scenes without equilibrium have to be refused as such, and a law that ends before the answer has to
+be named.
 """
 
 from __future__ import annotations
 
 import csv
 import time
+import warnings
 from dataclasses import asdict, dataclass
 
 import numpy as np
@@ -45,17 +47,25 @@ MARKS = {"diverged": "÷", "iteration limit": "–", "stalled": "s", "no equilib
 
 @dataclass(frozen=True)
 class Outcome:
-    """One run. error: of pressures and elastic energy, against the coupled solution or a closed form."""
+    """One run. expected: how it has to end; error: of pressures and elastic energy, against the coupled solution or a
+    closed form; allowed: of that.
+    """
 
     scene: str
-    solvable: bool
+    expected: str
     method: str
     status: str
     iterations: int
     body_solves: int
     residual: float | None
     error: float | None
+    allowed: float
     cpu_seconds: float
+
+    @property
+    def solvable(self) -> bool:
+        """Whether there is an equilibrium to be found."""
+        return self.expected == "converged"
 
     @property
     def mark(self) -> str:
@@ -71,7 +81,10 @@ def study(case: Case, methods: dict[str, tuple[str, dict]] = METHODS) -> list[Ou
     for name, (method, options) in methods.items():
         start = case.start if case.before is None else cd.solve(case.before())
         began = time.process_time()
-        solution = cd.solve(scene, method, start=start, tolerance=TOLERANCE, on_failure="return", **options)
+        options = options | {"tolerance": TOLERANCE, "local_solver": case.local_solver, "on_failure": "return"}
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", cd.LargeStrainWarning)  # loads are a million times too large on purpose
+            solution = cd.solve(scene, method, start=start, **options)
         seconds = time.process_time() - began
         outcomes.append(_outcome(case, name, solution, exact, seconds))
     return outcomes
@@ -88,13 +101,14 @@ def _outcome(case: Case, method: str, solution: cd.Solution, exact: cd.Solution,
     residual = solution.residual
     return Outcome(
         scene=case.name,
-        solvable=case.solvable,
+        expected=case.status,
         method=method,
         status=solution.status,
         iterations=solution.iterations,
         body_solves=int(solution.history.body_solves[-1]) if solution.iterations else 0,
         residual=residual if np.isfinite(residual) else None,
         error=error(solution, exact, case.pressure) if solution.converged else None,
+        allowed=case.error or LARGEST_ERROR,
         cpu_seconds=round(seconds, 4),
     )
 
@@ -133,13 +147,12 @@ def judge(outcomes: list[Outcome]) -> dict[str, int]:
     """What every run must satisfy, counted: how many do not."""
     reached = [outcome for outcome in outcomes if outcome.status == "converged"]
     auto = [outcome for outcome in outcomes if outcome.method == "auto"]
-    right = {True: "converged", False: "no equilibrium"}
     return {
         "scenes": len(auto),
         "runs": len(outcomes),
-        "false convergence": sum(not o.solvable or o.error is None or o.error > LARGEST_ERROR for o in reached),
-        "false refusal": sum(o.solvable and o.status == "no equilibrium" for o in outcomes),
-        "auto ends otherwise than it must": sum(o.status != right[o.solvable] for o in auto),
+        "false convergence": sum(not (o.solvable and o.error is not None and o.error <= o.allowed) for o in reached),
+        "false refusal": sum(o.status == "no equilibrium" != o.expected for o in outcomes),
+        "auto ends otherwise than it must": sum(o.status != o.expected for o in auto),
     }
 
 
@@ -148,7 +161,7 @@ def print_methods(outcomes: list[Outcome]) -> None:
     print("\n| method | solved | refused rightly | steps, median (most) | body solves, median |\n|---|---|---|---|---|")
     for name in METHODS:
         solvable = [o for o in outcomes if o.method == name and o.solvable]
-        refused = [o.status == "no equilibrium" for o in outcomes if o.method == name and not o.solvable]
+        refused = [o.status == o.expected for o in outcomes if o.method == name and not o.solvable]
         done = [o for o in solvable if o.status == "converged"]
         steps, solves = [o.iterations for o in done], [o.body_solves for o in done]
         print(

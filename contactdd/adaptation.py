@@ -1,0 +1,243 @@
+"""Meshes made for a wanted accuracy: solve, estimate the error, refine where it comes from, and again."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import basix.ufl
+import numpy as np
+import ufl
+from dolfinx import fem
+
+from .base import compat
+from .base.arrays import Floats, Integers
+from .base.checks import as_count, check_choice, positive
+from .body import Body
+from .error_estimate import ErrorEstimate, error_estimate
+from .errors import ContactWarning
+from .interface.surface import ContactSurface
+from .meshless import MeshlessBody
+from .scene import Scene
+from .solution import Solution
+from .solve import solve
+
+#: What part of the squared error of the pressure, and of the energy's error, the refined cells carry. The second is
+#: smaller: cells inside a body have to follow only as far as they tell on the contact.
+PRESSURE_SHARE, ENERGY_SHARE = 0.6, 0.4
+
+#: The error has to fall below this part of its value within so many rounds, or it does not fall any more.
+FALLING, PATIENCE = 0.9, 4
+
+
+@dataclass(frozen=True)
+class Round:
+    """One mesh of an adaptation.
+
+    Args:
+        unknowns: The degrees of freedom of all bodies.
+        cells: The number of cells of every body, by name.
+        error: The estimated relative error of the contact pressure in L².
+        energy_error: The estimated relative error of the energy.
+        cpu_seconds: The CPU time since the start, with all rounds before (s).
+    """
+
+    unknowns: int
+    cells: dict[str, int]
+    error: float
+    energy_error: float
+    cpu_seconds: float
+
+
+@dataclass(frozen=True)
+class Adaptation:
+    """A solution on meshes made for a wanted accuracy.
+
+    Args:
+        estimate: The errors of the last solution, with a better one.
+        rounds: The meshes on the way, their errors and costs.
+        accuracy: The relative error of the contact pressure in L² that was asked for.
+        status: "reached", "unknowns limit", "time limit", "rounds limit" or "stalled".
+    """
+
+    estimate: ErrorEstimate
+    rounds: tuple[Round, ...]
+    accuracy: float
+    status: str
+
+    @property
+    def solution(self) -> Solution:
+        """The last solution, of which the errors are."""
+        return self.estimate.solution
+
+    @property
+    def scene(self) -> Scene:
+        """The scene with the last meshes."""
+        return self.solution.scene
+
+    @property
+    def reached(self) -> bool:
+        """Whether the estimated error is at most what was asked for."""
+        return self.status == "reached"
+
+    def __repr__(self) -> str:
+        head = f"Adaptation: {self.status}, pressure {self.rounds[-1].error:.2g} of {self.accuracy:.2g} asked for"
+        rows = (f"{r.unknowns:>9d} unknowns  error {r.error:.3e}  {r.cpu_seconds:.3g} s" for r in self.rounds)
+        return "\n  ".join([head, *rows])
+
+
+def adapt(
+    scene: Scene,
+    accuracy: float,
+    *,
+    max_unknowns: int = 300_000,
+    max_rounds: int = 30,
+    time_limit: float | None = None,
+    on_failure: str = "warn",
+    **options: Any,
+) -> Adaptation:
+    """A solution whose estimated error of the contact pressure is at most what is asked for.
+
+    Starts with the scene's own meshes, which should show every contact by a few facets, and refines them where the
+    estimated error comes from: facets of contacts by the error of p there, cells by the energy of the displacement's.
+    Each solve starts from the one before. Names of surfaces, materials, supports and loads stay; the scene itself is
+    left as it is.
+
+    Args:
+        scene: With meshes of triangles or tetrahedra, in elements of any degree.
+        accuracy: The relative error of the contact pressure of all contacts in L² (no unit).
+        max_unknowns: The most degrees of freedom of all bodies, those of the estimate's solves not counted.
+        max_rounds: The most meshes.
+        time_limit: The time after which no further round is begun (s), by default unlimited.
+        on_failure: "warn" where the accuracy is not reached (`ContactWarning`), or "ignore" it; the status tells.
+        options: Of every `solve`, such as `local_solver`.
+
+    Raises:
+        TypeError, ValueError: An argument is none of these, a mesh cannot be refined, or its error not be estimated.
+        NotConvergedError: A solve does not end.
+
+    Example:
+        >>> import contactdd as cd
+        >>> meshes = [cd.rectangle((0, y), (2, y + 1), (8, 4)) for y in (0, 1)]
+        >>> steel = cd.Isotropic(E=2.1e5, nu=0.3)
+        >>> low = cd.Body("low", meshes[0], steel, supports=[cd.Fixed("bottom")])
+        >>> high = cd.Body("high", meshes[1], steel, loads=[cd.Pressure("top", lambda x: 1 + x[0])])
+        >>> scene = cd.Scene([low, high], [cd.Contact((low, "top"), (high, "bottom"), cd.LinearLayer(1e6))])
+        >>> cd.adapt(scene, 1e-2).reached
+        True
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
+    wanted, most = positive("accuracy", accuracy), as_count("max_unknowns", max_unknowns)
+    longest = np.inf if time_limit is None else positive("time_limit", time_limit)
+    most_rounds = as_count("max_rounds", max_rounds)
+    check_choice("on_failure", on_failure, ("warn", "ignore"))
+    for body in scene.bodies:
+        _refuse_what_stays(body)
+    began, cpu, rounds, status = time.monotonic(), time.process_time(), [], ""
+    start: Solution | None = None
+    while True:
+        estimate = error_estimate(solve(scene, start=start, **options))
+        rounds.append(_round(estimate, time.process_time() - cpu))
+        if rounds[-1].error <= wanted:
+            status = "reached"
+        elif _stalled(rounds):
+            status = "stalled"
+        elif len(rounds) >= most_rounds:
+            status = "rounds limit"
+        elif scene.ranks.agree(time.monotonic() - began) >= longest:
+            status = "time limit"
+        if status:
+            break
+        scene = scene.refined(_marked(estimate))
+        if _unknowns(scene) > most:
+            status = "unknowns limit"
+            break
+        start = estimate.better
+    if status != "reached" and on_failure == "warn":
+        warnings.warn(
+            f"adapt: {status}, the estimated error of the pressure is {rounds[-1].error:.2g} and not {wanted:.2g}",
+            ContactWarning,
+            stacklevel=2,
+        )
+    return Adaptation(estimate, tuple(rounds), wanted, status)
+
+
+def _refuse_what_stays(body: Body | MeshlessBody) -> None:
+    """Refuse a body whose mesh cannot be refined, or that cannot be put on another one."""
+    if isinstance(body, Body):
+        body.mesh.refuse_other_than_simplices()
+        body.refuse_expressions()
+
+
+def _round(estimate: ErrorEstimate, seconds: float) -> Round:
+    scene = estimate.solution.scene
+    cells = {body.name: body.mesh.cells for body in scene.bodies if body.mesh is not None}
+    return Round(_unknowns(scene), cells, estimate.pressure.relative, estimate.energy.relative, seconds)
+
+
+def _unknowns(scene: Scene) -> int:
+    return sum(body.dofs for body in scene.bodies if body.mesh is not None)
+
+
+def _stalled(rounds: Sequence[Round]) -> bool:
+    """Whether the error has not fallen over some rounds."""
+    if len(rounds) <= PATIENCE:
+        return False
+    return min(each.error for each in rounds[-PATIENCE:]) > FALLING * rounds[-PATIENCE - 1].error
+
+
+def _marked(estimate: ErrorEstimate) -> dict[str, Integers]:
+    """The cells of every body to be refined."""
+    bodies = estimate.solution.scene.bodies
+    chosen: list[set[int]] = [set() for _ in bodies]
+    facets = _facet_errors(estimate)
+    for (place, cell), keep in zip(facets, _largest(list(facets.values()), PRESSURE_SHARE), strict=True):
+        if keep:
+            chosen[place].add(cell)
+    energies = [
+        np.zeros(0) if body.mesh is None else _cell_energies(estimate, place) for place, body in enumerate(bodies)
+    ]
+    kept = _largest(np.concatenate(energies), ENERGY_SHARE)
+    for place, part in enumerate(np.split(kept, np.cumsum([len(each) for each in energies])[:-1])):
+        chosen[place].update(int(cell) for cell in np.flatnonzero(part))
+    return {body.name: np.array(sorted(cells)) for body, cells in zip(bodies, chosen, strict=True) if cells}
+
+
+def _largest(values: Sequence[float] | Floats, share: float) -> Any:
+    """Which values (n,) are the fewest that make up a share of their sum."""
+    array = np.asarray(values, dtype=float)
+    order = np.argsort(-array, kind="stable")
+    before = np.concatenate([[0.0], np.cumsum(array[order])[:-1]])
+    kept = np.zeros(len(array), dtype=bool)
+    kept[order] = (before < share * array.sum()) & (array[order] > 0.0)
+    return kept
+
+
+def _facet_errors(estimate: ErrorEstimate) -> dict[tuple[int, int], float]:
+    """∫ (p − p_better)² over the facets of both sides of all contacts, by body and cell."""
+    found: dict[tuple[int, int], float] = {}
+    for interface, contact in zip(estimate.solution.interfaces, estimate.contacts, strict=True):
+        for side in interface.sides:
+            surface = side.surface
+            if not isinstance(surface, ContactSurface):
+                continue
+            squares = surface.weights * (side.transfer @ contact.pressure_error**2)
+            for cell, error in zip(surface.entities[:, 0], squares.reshape(len(surface.facets), -1), strict=True):
+                key = side.body, int(cell)
+                found[key] = found.get(key, 0.0) + float(error.sum())
+    return found
+
+
+def _cell_energies(estimate: ErrorEstimate, place: int) -> Floats:
+    """∫ σ(e) : ε(e) over every cell of a body, (cells,), e the displacement's estimated error."""
+    body = estimate.better.scene.bodies[place]
+    error = estimate.displacement_error(body.name)
+    element = basix.ufl.element("DG", body.mesh.domain.topology.cell_name(), 0)
+    cellwise = ufl.TestFunction(fem.functionspace(body.mesh.domain, element))
+    density = ufl.inner(body.stress(error), body.kinematics.strain(error))
+    form = body.elements.over_volume(density * cellwise, body.elastic_metadata)
+    return fem.assemble_vector(compat.form(form)).array
