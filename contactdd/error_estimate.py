@@ -271,6 +271,11 @@ def _doubt_nodal_pressure(solution: Solution, index: int) -> None:
     of nodes are off by as much as the elements' displacements are.
     """
     interface, result = solution.interfaces[index], solution.contact(index)
+    if all(body.mesh is None for body, _ in interface.contact.sides):
+        raise ValueError(
+            f"contact {interface.contact.name!r}: neither body has elements, whose degree could be raised; compare "
+            "with more points of their own"
+        )
     if not (result.hard or result.wavers or (interface.gathered is not None and result.stiffness_ratio > STIFF)):
         return
     layer = "no layer" if result.hard else f"a layer {result.stiffness_ratio:.3g} times as stiff as the elements"

@@ -454,6 +454,8 @@ def test_results_without_meshes(tmp_path):
         solution.contact(degree=4)
     with pytest.raises(ValueError, match="no body of the scene has a mesh"):
         solution.plot_bodies()
+    with pytest.raises(ValueError, match="neither body has elements, whose degree could be raised"):
+        cd.error_estimate(solution)
 
 
 def test_results_on_a_grid():
