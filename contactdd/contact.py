@@ -110,7 +110,11 @@ class Contact:
     @property
     def reach(self) -> float:
         """The largest distance at which points of the surfaces are paired (length)."""
-        return self.search_distance or min(body.mesh.size for body, _ in self.sides if body.mesh is not None)
+        if self.search_distance is not None:
+            return self.search_distance
+        bodies = [body for body, _ in self.sides]
+        meshed = [body.mesh.size for body in bodies if body.mesh is not None]
+        return min(meshed or [body.length for body in bodies if body.length > 0.0], default=1.0)
 
     def resampled(self, degree: int) -> Contact:
         """The same contact at Gauss points of another degree.

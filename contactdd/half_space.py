@@ -80,7 +80,8 @@ class HalfSpace(ElasticSurface):
     """An elastic half-space under pressures that are even on each rectangle of a grid.
 
     By Love's formula for a rectangle of Boussinesq's loads. Far away it is held, moved or loaded. Its matrix is dense:
-    3000 rectangles are many.
+    3000 rectangles are many; `PeriodicHalfSpace` stores none. Rectangles should be no smaller than the points of a mesh
+    that touches them are apart, whose forces would else be needles.
 
     Args:
         name: Unique in a scene.

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from test_ranks import launch
 
 import contactdd as cd
 from contactdd import influence
@@ -470,3 +471,25 @@ def test_checkpoints_without_meshes(tmp_path):
     stopped = cd.solve(scene, max_iterations=2, checkpoint=file, on_failure="return")
     assert not stopped.converged
     assert cd.solve(scene, checkpoint=file).contact().force == pytest.approx(10.0, rel=1e-8)
+
+
+def test_ranks_agree_on_bodies_without_meshes():
+    code = """
+from mpi4py import MPI
+import numpy as np
+import contactdd as cd
+soft = cd.Isotropic(1e3, 0.3)
+plane = cd.HalfPlane("ground", soft, np.linspace(-1, 1, 61), 100.0)
+roll = cd.RigidBody("roll", cd.Cylinder((0, 10), 10.0), displacement=(0, None), force=(0, -10.0))
+space = cd.PeriodicHalfSpace("ground", soft, (1.0, 1.0), (16, 16))
+plate = cd.RigidBody("plate", cd.Plane((0, 0, 0), (0, 0, -1)), displacement=(0, 0, None), force=(0, 0, -3.0))
+wave = lambda x: 0.01 * (1 - np.cos(2 * np.pi * x[0]))
+for pair, gap, force in (((plane, roll), 0.0, 10.0), ((space, plate), wave, 3.0)):
+    contact = cd.Contact(*pair, cd.LinearLayer(1e4), gap=gap)
+    solution = cd.solve(cd.Scene(pair, [contact], comm=MPI.COMM_WORLD))
+    peaks = MPI.COMM_WORLD.allgather(solution.contact().pressure.max())
+    assert len(peaks) == 2 and peaks[0] == peaks[1]
+    assert abs(solution.contact().force - force) < 1e-8
+"""
+    done = launch(2, code)
+    assert done.returncode == 0, done.stderr
