@@ -131,39 +131,61 @@ def adapt(
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
-    wanted, most = positive("accuracy", accuracy), as_count("max_unknowns", max_unknowns)
-    longest = np.inf if time_limit is None else positive("time_limit", time_limit)
-    most_rounds = as_count("max_rounds", max_rounds)
+    limits = _Limits(
+        positive("accuracy", accuracy),
+        as_count("max_unknowns", max_unknowns),
+        as_count("max_rounds", max_rounds),
+        np.inf if time_limit is None else positive("time_limit", time_limit),
+    )
     check_choice("on_failure", on_failure, ("warn", "ignore"))
     for body in scene.bodies:
         _refuse_what_stays(body)
-    began, cpu, rounds, status = time.monotonic(), time.process_time(), [], ""
-    start: Solution | None = None
-    while True:
-        estimate = error_estimate(solve(scene, start=start, **options))
-        rounds.append(_round(estimate, time.process_time() - cpu))
-        if rounds[-1].error <= wanted:
-            status = "reached"
-        elif _stalled(rounds):
-            status = "stalled"
-        elif len(rounds) >= most_rounds:
-            status = "rounds limit"
-        elif scene.ranks.agree(time.monotonic() - began) >= longest:
-            status = "time limit"
-        if status:
-            break
-        scene = scene.refined(_marked(estimate))
-        if _unknowns(scene) > most:
-            status = "unknowns limit"
-            break
-        start = estimate.better
-    if status != "reached" and on_failure == "warn":
+    estimate, rounds, status = _refined_until(scene, limits, options)
+    if status != "reached" and on_failure == "warn" and scene.ranks.comm.rank == 0:
         warnings.warn(
-            f"adapt: {status}, the estimated error of the pressure is {rounds[-1].error:.2g} and not {wanted:.2g}",
+            f"adapt: {status}, the estimated error of the pressure is {rounds[-1].error:.2g} and not "
+            f"{limits.accuracy:.2g}",
             ContactWarning,
             stacklevel=2,
         )
-    return Adaptation(estimate, tuple(rounds), wanted, status)
+    return Adaptation(estimate, tuple(rounds), limits.accuracy, status)
+
+
+@dataclass(frozen=True)
+class _Limits:
+    """accuracy: the wanted relative error; unknowns, rounds, seconds: the most of each."""
+
+    accuracy: float
+    unknowns: int
+    rounds: int
+    seconds: float
+
+    def ending(self, rounds: Sequence[Round], seconds: float) -> str:
+        """The status with which the rounds so far end; empty if they go on."""
+        if rounds[-1].error <= self.accuracy:
+            return "reached"
+        if _stalled(rounds):
+            return "stalled"
+        if len(rounds) >= self.rounds:
+            return "rounds limit"
+        return "time limit" if seconds >= self.seconds else ""
+
+
+def _refined_until(scene: Scene, limits: _Limits, options: dict[str, Any]) -> tuple[ErrorEstimate, list[Round], str]:
+    """The last estimate, all rounds and the status."""
+    ranks, rounds = scene.ranks, list[Round]()
+    began, cpu, start = time.monotonic(), time.process_time(), None
+    while True:
+        estimate = error_estimate(solve(scene, start=start, **options))
+        rounds.append(_round(estimate, time.process_time() - cpu))
+        status = ranks.agree(limits.ending(rounds, time.monotonic() - began))
+        if status:
+            return estimate, rounds, status
+        # What is decided by rounding is decided once: all ranks have the same meshes.
+        scene = scene.refined(ranks.agree(_marked(estimate)))
+        if _unknowns(scene) > limits.unknowns:
+            return estimate, rounds, "unknowns limit"
+        start = estimate.better
 
 
 def _refuse_what_stays(body: Body | MeshlessBody) -> None:

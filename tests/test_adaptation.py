@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scenes
 import ufl
+from test_ranks import launch
 
 import contactdd as cd
 
@@ -121,3 +122,48 @@ def test_refusals_before_anything_is_solved():
     body = cd.Body("lower", scene.bodies[0].mesh, scenes.STEEL, loads=[cd.Pressure("bottom", x[0])])
     with pytest.raises(ValueError, match="its Pressure is a UFL expression"):
         cd.adapt(scene.with_bodies({"lower": body}), 1e-2)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(12))
+def test_no_accuracy_is_falsely_claimed(seed):
+    """Random grooves, loads, laws and unlike meshes: the error, by cells a quarter of the size and a degree more, is at
+    most twice what was asked for."""
+    rng = np.random.default_rng(seed)
+    depth, middle, load = 10 ** rng.uniform(-4.3, -3), rng.uniform(0, 4), 10 ** rng.uniform(0.5, 1.5)
+    layer = cd.PowerLayer(B=10 ** rng.uniform(-6, -5), a=rng.uniform(0.5, 1.5))
+    cells = [(int(rng.integers(8, 14)), int(rng.integers(3, 6))) for _ in range(2)]
+    degree = int(rng.integers(1, 3))
+    low = scenes.block("low", 0, cells[0], loads=[cd.Pressure("bottom", load)], degree=degree)
+    high = scenes.block("high", 1, cells[1], loads=[cd.Pressure("top", load)], degree=degree)
+    scene = scenes.stack([low, high], layer, lambda x: scenes.groove(x, depth, 1.0, middle))
+    accuracy = 10 ** rng.uniform(-2.5, -1.5)
+    made = cd.adapt(scene, accuracy)
+    assert made.reached
+    fine = made.scene.refined().refined()
+    fine = fine.with_bodies({body.name: body.with_degree(degree + 1) for body in fine.bodies})
+    result = made.solution.contact()
+    p = cd.solve(fine).contact().at(result.x)["pressure"]
+    true = np.sqrt(result.weights @ (result.pressure - p) ** 2 / (result.weights @ p**2))
+    assert true < 2 * accuracy
+
+
+RANKS = """
+from mpi4py import MPI
+import contactdd as cd
+from scenes import block, stack
+
+bodies = [block("a", 0, (8, 4), loads=[cd.Pressure("bottom", 10.0)]), block("b", 1, (8, 4),
+          loads=[cd.Pressure("top", 10.0)])]
+made = cd.adapt(stack(bodies, comm=MPI.COMM_WORLD), 2e-2)
+print("told", [r.unknowns for r in made.rounds], made.status)
+"""
+
+
+def test_the_same_meshes_on_several_ranks():
+    told = set()
+    for ranks in (1, 2):
+        done = launch(ranks, RANKS)
+        assert done.returncode == 0, done.stderr
+        told |= {line for line in done.stdout.splitlines() if line.startswith("told")}
+    assert len(told) == 1

@@ -159,17 +159,27 @@ def _open(gmsh: Any, path: Path, own: bool) -> None:
     """Open a file; ValueError with gmsh's words if it cannot."""
     try:
         try:
-            gmsh.open(str(path))
+            _load(gmsh, path)
         except Exception:
             if path.suffix != ".geo" or not own:
                 raise
             # Its parser keeps words of a script that it refused before, and takes them for the start of this one.
             _forget(gmsh)
-            gmsh.open(str(path))
+            _load(gmsh, path)
     except Exception as error:
         if own:
             _forget(gmsh)
         raise ValueError(f"path = {str(path)!r}: gmsh cannot read it: {error}") from None
+
+
+def _load(gmsh: Any, path: Path) -> None:
+    """A file as a new model: `gmsh.open`, when it has failed once, does nothing any more in the user's session."""
+    gmsh.model.add(path.stem)
+    try:
+        gmsh.merge(str(path))
+    except Exception:
+        gmsh.model.remove()
+        raise
 
 
 def _forget(gmsh: Any) -> None:
