@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -56,9 +57,18 @@ def launch(ranks: int, code: str, *arguments: str, timeout: float = 120) -> subp
     env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")]), "OMP_NUM_THREADS": "1"}
     if os.geteuid() == 0:
         env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    env |= {"PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}  # more ranks than this machine has cores
+    # More ranks than this machine has cores: those that wait for a message leave their core to the others.
+    env |= {"PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe", "OMPI_MCA_mpi_yield_when_idle": "1"}
     command = [mpirun, "-n", str(ranks), sys.executable, "-c", code, *arguments]
-    return subprocess.run(command, env=env, timeout=timeout, capture_output=True, text=True)
+    process = subprocess.Popen(
+        command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    try:
+        out, error = process.communicate(timeout=timeout)
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)  # mpirun alone would leave its ranks behind
+        raise
+    return subprocess.CompletedProcess(command, process.returncode, out, error)
 
 
 @pytest.fixture(scope="module")
