@@ -54,8 +54,6 @@ from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from . import reference
-    from .half_plane import HalfPlane
-    from .half_space import AxisymmetricHalfSpace, HalfSpace
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
     from .layers.hyperbolic import HyperbolicLayer
@@ -64,30 +62,32 @@ if TYPE_CHECKING:
     from .layers.series import SeriesLayer
     from .layers.table import TableLayer
     from .layers.varying import VaryingLayer
-    from .mirror_plane import MirrorPlane
-    from .periodic import ElasticStrip, PeriodicHalfPlane
-    from .periodic_half_space import PeriodicHalfSpace
-    from .rigid_body import RigidBody
+    from .partners.half_plane import HalfPlane
+    from .partners.half_space import AxisymmetricHalfSpace, HalfSpace
+    from .partners.mirror_plane import MirrorPlane
+    from .partners.periodic import ElasticStrip, PeriodicHalfPlane
+    from .partners.periodic_half_space import PeriodicHalfSpace
+    from .partners.rigid_body import RigidBody
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
 
 #: Where the bodies without a mesh are, and the shapes of rigid ones: imported when first asked for.
 _PARTNERS = {
-    "AxisymmetricHalfSpace": "half_space",
+    "AxisymmetricHalfSpace": "partners.half_space",
     "Cone": "shapes",
     "Cylinder": "shapes",
-    "ElasticStrip": "periodic",
+    "ElasticStrip": "partners.periodic",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
-    "HalfPlane": "half_plane",
-    "HalfSpace": "half_space",
+    "HalfPlane": "partners.half_plane",
+    "HalfSpace": "partners.half_space",
     "LevelSet": "shapes",
-    "MirrorPlane": "mirror_plane",
-    "PeriodicHalfPlane": "periodic",
-    "PeriodicHalfSpace": "periodic_half_space",
+    "MirrorPlane": "partners.mirror_plane",
+    "PeriodicHalfPlane": "partners.periodic",
+    "PeriodicHalfSpace": "partners.periodic_half_space",
     "Plane": "shapes",
     "Profile": "shapes",
-    "RigidBody": "rigid_body",
+    "RigidBody": "partners.rigid_body",
     "Shape": "shapes",
     "Sphere": "shapes",
 }

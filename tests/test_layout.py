@@ -13,7 +13,7 @@ PACKAGE = Path(__file__).parents[1] / "contactdd"
 #: Each level imports from those before it and from its own; a name is a file or a folder of the package.
 LEVELS = [
     ["base"],
-    ["errors", "influence", "parameter"],
+    ["errors", "parameter"],
     ["field", "kinematics", "layer", "quadrature", "mesh", "material"],
     ["layers", "hard_contact"],
     ["files", "shapes"],
@@ -22,17 +22,8 @@ LEVELS = [
     ["history"],
     ["elements"],
     ["support", "load"],
-    [
-        "body",
-        "elastic_surface",
-        "half_plane",
-        "half_space",
-        "meshless",
-        "mirror_plane",
-        "periodic",
-        "periodic_half_space",
-        "rigid_body",
-    ],
+    ["body", "meshless"],
+    ["partners"],
     ["contact"],
     ["interface"],
     ["sample", "small_strains"],

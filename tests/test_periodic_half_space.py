@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import contactdd as cd
-from contactdd.elastic_surface import ElasticSurface
+from contactdd.partners.elastic_surface import ElasticSurface
 
 E, NU = 1e3, 0.3
 SOFT = cd.Isotropic(E, NU)

@@ -6,12 +6,12 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from . import influence
-from .base.arrays import Floats
-from .base.checks import as_floats
+from .. import influence
+from ..base.arrays import Floats
+from ..base.checks import as_floats
+from ..material import Isotropic
+from ..parameter import Parameter
 from .elastic_surface import ElasticSurface, as_nodes, galerkin, hats
-from .material import Isotropic
-from .parameter import Parameter
 
 
 class AxisymmetricHalfSpace(ElasticSurface):

@@ -10,14 +10,14 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from .base.arrays import Floats
-from .base.checks import as_floats
-from .base.spectral import SpectralStiffness
-from .material import Isotropic
-from .meshless import MeshlessBody
-from .parameter import Parameter, current
-from .shapes.plane import plane_distance
-from .shapes.shape import as_direction, as_point
+from ..base.arrays import Floats
+from ..base.checks import as_floats
+from ..base.spectral import SpectralStiffness
+from ..material import Isotropic
+from ..meshless import MeshlessBody
+from ..parameter import Parameter, current
+from ..shapes.plane import plane_distance
+from ..shapes.shape import as_direction, as_point
 
 
 class ElasticSurface(MeshlessBody):

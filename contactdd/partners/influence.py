@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from .base.arrays import Floats
+from ..base.arrays import Floats
 
 
 def line_load_hats(x: Floats, nodes: Floats, reference: float) -> Floats:

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from .base.arrays import Floats
-from .base.checks import as_floats
-from .meshless import MeshlessBody
-from .parameter import Parameter, current
-from .shapes.shape import Shape, as_point
+from ..base.arrays import Floats
+from ..base.checks import as_floats
+from ..meshless import MeshlessBody
+from ..parameter import Parameter, current
+from ..shapes.shape import Shape, as_point
 
 #: Numbers of a motion or a load: one each, None where a motion is free, or a parameter that holds all of them.
 Components = float | Parameter | Sequence[float | Parameter | None] | None

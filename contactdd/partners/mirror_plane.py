@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from numpy.typing import ArrayLike
 
+from ..shapes.plane import Plane
 from .rigid_body import RigidBody
-from .shapes.plane import Plane
 
 
 class MirrorPlane(RigidBody):

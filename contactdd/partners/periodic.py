@@ -8,12 +8,12 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from . import influence
-from .base.arrays import Floats
-from .base.checks import as_bool, as_count, check_choice, positive
+from .. import influence
+from ..base.arrays import Floats
+from ..base.checks import as_bool, as_count, check_choice, positive
+from ..material import Isotropic
+from ..parameter import Parameter
 from .elastic_surface import ElasticSurface, hats
-from .material import Isotropic
-from .parameter import Parameter
 
 
 class PeriodicSurface(ElasticSurface):
