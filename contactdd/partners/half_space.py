@@ -6,11 +6,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from .. import influence
 from ..base.arrays import Floats
 from ..base.checks import as_floats
 from ..material import Isotropic
 from ..parameter import Parameter
+from . import influence
 from .elastic_surface import ElasticSurface, as_nodes, galerkin, hats
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from .. import influence
 from ..base.arrays import Floats
 from ..base.checks import as_bool, as_count, check_choice, positive
 from ..material import Isotropic
 from ..parameter import Parameter
+from . import influence
 from .elastic_surface import ElasticSurface, hats
 
 

@@ -6,12 +6,12 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from .. import influence
 from ..base.arrays import Floats
 from ..base.checks import positive
 from ..base.spectral import SpectralStiffness
 from ..material import Isotropic
 from ..parameter import Parameter
+from . import influence
 from .elastic_surface import hats
 from .half_space import HalfSpace
 

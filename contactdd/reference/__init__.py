@@ -14,8 +14,8 @@ from .columns import (
     uniform_compression,
 )
 from .groove import Groove, groove, surface_compliance
+from .half_plane import HalfPlaneGroove, groove_half_planes
 from .hertz import HertzCylinder, HertzSphere, hertz_cylinder, hertz_sphere
-from .partners.half_plane import HalfPlaneGroove, groove_half_planes
 
 __all__ = [
     "ColumnStack",
