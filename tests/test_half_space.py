@@ -9,7 +9,7 @@ import pytest
 from test_ranks import launch
 
 import contactdd as cd
-from contactdd import influence
+from contactdd.partners import influence
 
 E, NU = 1e3, 0.3
 SOFT = cd.Isotropic(E, NU)
