@@ -80,8 +80,13 @@ class Elements:
         if self.degree != other.degree or self.kinematics is not other.kinematics:
             return None
         isometry = self.mesh.isometry_from(other.mesh)
-        same = isometry is not None and np.array_equal(self.space.dofmap.list, other.space.dofmap.list)
-        return isometry if same else None
+        return isometry if isometry is not None and self._numbered_as(other) else None
+
+    def _numbered_as(self, other: Elements) -> bool:
+        """Whether the degrees of freedom of elements of the same degree are numbered alike."""
+        if self.domain.topology._cpp_object is other.domain.topology._cpp_object:  # it is what dolfinx numbers from
+            return True
+        return np.array_equal(self.space.dofmap.list, other.space.dofmap.list)
 
     def nodes(self, surface: str) -> NDArray[np.int32]:
         """The nodes (blocks of degrees of freedom) on a named surface."""
