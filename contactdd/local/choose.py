@@ -97,7 +97,7 @@ class LocalSolvers:
         Args:
             local_solver: A registered name, or "auto": condensed unless a body is too large for it.
         """
-        kinds = self._ranks.agree([self._kind(body, local_solver) for body in self._bodies])
+        kinds = self._ranks.agree([self._kind(index, local_solver) for index in range(len(self._bodies))])
         if self._ranks.alone:
             return [self._problem(kind, index) for index, kind in enumerate(kinds)]
         return self._dealt_out(kinds)
@@ -118,12 +118,15 @@ class LocalSolvers:
         other._discrete, other._problems = dict(self._discrete), dict(self._problems)
         return other
 
-    def _kind(self, body: Any, local_solver: str) -> str:
+    def _kind(self, index: int, local_solver: str) -> str:
         """The name under which a body's problem is kept; a body's own local solver has precedence."""
+        body, found = self._bodies[index], self._originals[index]
         if body.mesh is None or callable(body.local_solver):
             return OWN
         name = body.local_solver or local_solver
-        return cheapest_solver(body) if name == "auto" else name
+        if name != "auto":
+            return name
+        return cheapest_solver(body if found is None else self._bodies[found[0]])  # of the same size as its original
 
     def _problem(self, kind: str, index: int) -> LocalProblem:
         """One body's local problem, made when first asked for."""
