@@ -30,3 +30,9 @@ def test_an_area_without_a_partner():
     result = cd.solve(pressed()).contact()
     with pytest.warns(DeprecationWarning, match="unpaired_area"):
         assert result.unmatched == result.unpaired_area
+
+
+def test_a_gap_found_from_the_meshes():
+    interface = pressed().interfaces[0]
+    with pytest.warns(DeprecationWarning, match="geometric_gap"):
+        assert interface.measured is interface.geometric_gap

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
@@ -106,6 +107,12 @@ class Interface:
             return augmented_layer(layer, min(float(each.max()) for each in self._stiffnesses_of_hard))
         law = layer.at(self.x.T)
         return _half(law) if _mirrored(self.contact) else law
+
+    @property
+    def measured(self) -> Floats:
+        """The former name of `geometric_gap`; warns."""
+        warnings.warn("Interface.measured is now called geometric_gap", DeprecationWarning, stacklevel=2)
+        return self.geometric_gap
 
     @cached_property
     def functions(self) -> LinearFunctions:
