@@ -22,7 +22,7 @@ import sys
 import numpy as np
 from mpi4py import MPI
 import contactdd as cd
-from scenes import block, stack
+from scenes import LAYER, block, groove, stack
 
 comm = MPI.COMM_WORLD
 load = cd.Parameter(10.0)
