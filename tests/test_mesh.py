@@ -177,6 +177,18 @@ def test_meshes_are_cached_by_what_makes_them(tmp_path, cache, monkeypatch):
     assert len(list(cache.iterdir())) == 4
 
 
+def test_a_script_forgets_its_former_numbers(tmp_path, cache):
+    """In contactdd's own session of gmsh and in the user's: each size makes the mesh of that size."""
+    script = written(tmp_path, SCRIPT + GROUPS)
+    own = [cd.read_gmsh(script, size=size).cells for size in (0.5, 0.1, 0.25)]
+    gmsh.initialize(["test", "-v", "1"], interruptible=False)
+    try:
+        assert [cd.read_gmsh(script, size=size).cells for size in (0.5, 0.1, 0.25)] == own
+    finally:
+        gmsh.finalize()
+    assert own[0] < own[2] < own[1]
+
+
 def test_a_msh_file_is_read_as_it_is(tmp_path, cache):
     cd.read_gmsh(written(tmp_path, SCRIPT + GROUPS))
     [file] = cache.iterdir()

@@ -175,6 +175,7 @@ def _open(gmsh: Any, path: Path, own: bool) -> None:
 def _load(gmsh: Any, path: Path) -> None:
     """A file as a new model: `gmsh.open`, when it has failed once, does nothing any more in the user's session."""
     gmsh.model.add(path.stem)
+    gmsh.parser.clear()  # else a script keeps the numbers that it, or another, had when it was read before
     try:
         gmsh.merge(str(path))
     except Exception:
