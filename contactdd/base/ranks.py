@@ -131,7 +131,7 @@ class Ranks:
 
     def any_says(self, reason: str) -> str:
         """The first text of all ranks that is not empty, "" if there is none. Collective."""
-        return next(filter(None, self.gather(reason)), "")
+        return reason if self.alone else next(filter(None, self.gather(reason)), "")
 
     def agree(self, value: T) -> T:
         """The first rank's value: what is decided by rounding must be decided once."""

@@ -326,8 +326,7 @@ class Run:
 
         Only a run that comes back from afar has rounded more on its way than the displacements that it comes to.
         """
-        before, now = (float(np.abs(y).max(initial=0.0)) for y in (self.state.unknowns, unknowns))
-        if before > 2.0 * now:
+        if self.state.largest > 2.0 * float(np.abs(unknowns).max(initial=0.0)):
             return self.ensemble.gaps(unknowns)
         moves = self.ensemble.by_interface(self.ensemble.normal_approach @ step)
         return [z - move for z, move in zip(self.state.gaps, moves, strict=True)]
@@ -365,7 +364,7 @@ class Run:
     def _bounded(self) -> bool:
         """Whether the displacements are finite and at most a hundred times the largest body."""
         # False also of what is not a number; true where supports hold all that the contacts touch.
-        return bool(np.abs(self.state.unknowns).max(initial=0.0) < self._furthest)
+        return self.state.largest < self._furthest
 
     def _only_rounding(self, found: Measured) -> bool:
         """Whether the residual of a run that stands still is small, and the rounding of its elastic forces.

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
 
 from ..base.arrays import Floats
 
@@ -27,3 +30,8 @@ class State:
     gaps: list[Floats]
     previous_gaps: list[Floats]
     shifts: list[Floats] = field(default_factory=list)
+
+    @cached_property
+    def largest(self) -> float:
+        """max |unknowns|, no number where one of them is none."""
+        return float(np.abs(self.unknowns).max(initial=0.0))
