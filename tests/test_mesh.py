@@ -182,8 +182,12 @@ def test_a_script_forgets_its_former_numbers(tmp_path, cache):
     script = written(tmp_path, SCRIPT + GROUPS)
     own = [cd.read_gmsh(script, size=size).cells for size in (0.5, 0.1, 0.25)]
     gmsh.initialize(["test", "-v", "1"], interruptible=False)
+    gmsh.parser.setNumber("size", [7.0])
+    gmsh.parser.setString("word", ["kept"])
     try:
         assert [cd.read_gmsh(script, size=size).cells for size in (0.5, 0.1, 0.25)] == own
+        assert gmsh.parser.getNumber("size") == [7.0]
+        assert gmsh.parser.getString("word") == ["kept"]
     finally:
         gmsh.finalize()
     assert own[0] < own[2] < own[1]

@@ -128,16 +128,25 @@ def mesh_cache() -> Path:
 def _session(gmsh: Any) -> Iterator[bool]:
     """gmsh, started for a while; False where the user has started it, whose models and options stay as they are."""
     own = not gmsh.isInitialized()
-    current = None if own else gmsh.model.getCurrent()
     if own:
         _start(gmsh)
+        try:
+            yield own
+        finally:
+            gmsh.finalize()
+        return
+    current, names = gmsh.model.getCurrent(), gmsh.parser.getNames()
+    variables = [(name, gmsh.parser.getNumber(name), gmsh.parser.getString(name)) for name in names]
     try:
         yield own
     finally:
-        if own:
-            gmsh.finalize()
-        else:
-            gmsh.model.setCurrent(current)
+        gmsh.model.setCurrent(current)
+        gmsh.parser.clear()
+        for name, numbers, texts in variables:
+            if len(texts):
+                gmsh.parser.setString(name, texts)
+            else:
+                gmsh.parser.setNumber(name, numbers)
 
 
 def _start(gmsh: Any) -> None:
