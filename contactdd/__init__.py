@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 __version__ = "0.2.0"
 
-from .adaptation import Adaptation, Round, adapt
 from .base import compat
 from .body import Body
 from .body_result import BodyResult
@@ -29,7 +28,6 @@ from .errors import (
     NoEquilibriumError,
     NotConvergedError,
 )
-from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
 from .hard_contact import HardContact
 from .history import History, Record
 from .layer import Layer, LinearLayer, PowerLayer
@@ -44,7 +42,6 @@ from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import LoadPath, StepFailedError, programme
-from .saved import SavedSolution, load_solution
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import Solution
@@ -54,6 +51,8 @@ from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from . import reference
+    from .adaptation import Adaptation, Round, adapt
+    from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
     from .layers.hyperbolic import HyperbolicLayer
@@ -68,41 +67,48 @@ if TYPE_CHECKING:
     from .partners.periodic import ElasticStrip, PeriodicHalfPlane
     from .partners.periodic_half_space import PeriodicHalfSpace
     from .partners.rigid_body import RigidBody
+    from .saved import SavedSolution, load_solution
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
 
-#: Where the bodies without a mesh are, and the shapes of rigid ones: imported when first asked for.
-_PARTNERS = {
+#: Where that is which most scenes don't use, imported when first asked for: layer laws, bodies without a mesh and their
+#: shapes, files, adaptation.
+_LATER = {
+    "Adaptation": "adaptation",
     "AxisymmetricHalfSpace": "partners.half_space",
     "Cone": "shapes",
+    "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
     "ElasticStrip": "partners.periodic",
+    "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
+    "GreenwoodWilliamsonLayer": "layers.rough",
     "HalfPlane": "partners.half_plane",
     "HalfSpace": "partners.half_space",
+    "HyperbolicLayer": "layers.hyperbolic",
     "LevelSet": "shapes",
+    "LogarithmicLayer": "layers.logarithmic",
     "MirrorPlane": "partners.mirror_plane",
+    "OverclosureLayer": "layers.exponential",
     "PeriodicHalfPlane": "partners.periodic",
     "PeriodicHalfSpace": "partners.periodic_half_space",
     "Plane": "shapes",
     "Profile": "shapes",
     "RigidBody": "partners.rigid_body",
+    "Round": "adaptation",
+    "SavedSolution": "saved",
+    "SeriesLayer": "layers.series",
     "Shape": "shapes",
     "Sphere": "shapes",
-}
-
-#: Where the layer laws are that most scenes don't use: imported when first asked for.
-_LAWS = {
-    "CustomLayer": "custom",
-    "ExponentialLayer": "exponential",
-    "GreenwoodWilliamsonLayer": "rough",
-    "HyperbolicLayer": "hyperbolic",
-    "LogarithmicLayer": "logarithmic",
-    "OverclosureLayer": "exponential",
-    "SeriesLayer": "series",
-    "TableLayer": "table",
-    "VaryingLayer": "varying",
+    "TableLayer": "layers.table",
+    "VaryingLayer": "layers.varying",
+    "adapt": "adaptation",
+    "from_gmsh": "files",
+    "load_solution": "saved",
+    "read_bodies": "files",
+    "read_gmsh": "files",
+    "read_mesh": "files",
 }
 
 __all__ = [
@@ -206,13 +212,11 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """The module `reference`, a layer law or a body without a mesh, imported when first asked for; old names."""
+    """The module `reference` and the names in `_LATER`, imported when first asked for; old names."""
     if name == "reference":
         return import_module(".reference", __name__)
-    if name in _PARTNERS:
-        return getattr(import_module(f".{_PARTNERS[name]}", __name__), name)
-    if name in _LAWS:
-        return getattr(import_module(f".layers.{_LAWS[name]}", __name__), name)
+    if name in _LATER:
+        return getattr(import_module(f".{_LATER[name]}", __name__), name)
     if name == "Path":
         warnings.warn("cd.Path is now called cd.LoadPath", DeprecationWarning, stacklevel=2)
         return LoadPath
