@@ -55,6 +55,7 @@ if comm.rank == 0:
 def launch(ranks: int, code: str, *arguments: str, timeout: float = 120) -> subprocess.CompletedProcess:
     mpirun = shutil.which("mpirun", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]))
     env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")]), "OMP_NUM_THREADS": "1"}
+    env.pop("PYTHONUNBUFFERED", None)  # prints are written whole: else the lines of two ranks mix
     if os.geteuid() == 0:
         env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
     # More ranks than this machine has cores: those that wait for a message leave their core to the others.

@@ -136,10 +136,8 @@ cd.Scene(less, scene.contacts[: len(less) - 1], comm=comm)
 def test_all_ranks_end_together(what):
     code, message = FAULTS[what]
     marked = "\n".join("    " + line for line in code.strip().splitlines())
-    # Each line is written whole: else those of two ranks mix.
     done = launch(2, f"{SCENE}\ntry:\n{marked}\nexcept BaseException as error:\n"
-                     "    sys.stdout.write(f'rank {comm.rank} says {type(error).__name__}: {error}\\n')\n"
-                     "    sys.stdout.flush()\n"
+                     "    print('rank', comm.rank, 'says', type(error).__name__ + ':', error, flush=True)\n"
                      "    raise SystemExit(3)\n")  # fmt: skip
     assert done.returncode == 3, done.stderr
     for rank in range(2):
