@@ -40,9 +40,6 @@ P = ParamSpec("P")
 #: The default γ of the decomposed methods: the paper's best.
 BEST_GAMMA = 0.6
 
-#: Largest uncertainty of the gap behind curved facets, relative to the layer's compression, without a warning.
-DOUBTFUL = 0.1
-
 
 def _by_all_ranks(function: Callable[P, Solution]) -> Callable[P, Solution]:
     """The same function of a scene, made collective: an error or Ctrl-C on one rank ends it on all."""

@@ -111,14 +111,6 @@ def read(path: Path, dim: int | None, script: bool, order: int, parameters: Mapp
             return contents(gmsh.model, dim, source)
 
 
-def read_other(path: Path, dim: int | None) -> Contents:
-    """The nodes, cells and groups of a file of another program that gmsh reads."""
-    import gmsh
-
-    with _session(gmsh) as own, _opened(gmsh, path, own):
-        return contents(gmsh.model, dim, f"path = {str(path)!r}: the file")
-
-
 def mesh_cache() -> Path:
     """The folder of the meshes made from scripts: contactdd/meshes in $XDG_CACHE_HOME or ~/.cache."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "contactdd" / "meshes"

@@ -84,6 +84,11 @@ class ElasticSurface(MeshlessBody):
         """The translation and one displacement for each place."""
         return 1 + len(self.areas)
 
+    @property
+    def tangent(self) -> Floats:
+        """The direction of a plane surface's own coordinate: the normal turned clockwise, (2,)."""
+        return np.array([self.normal[1], -self.normal[0]])
+
     def contact_points(self) -> tuple[Floats, Floats, Floats]:
         """The places, for contacts with others that have no mesh: points (n, dim), outward normals (n, dim) and areas
         (n,)."""

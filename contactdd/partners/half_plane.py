@@ -67,7 +67,7 @@ class HalfPlane(ElasticSurface):
 
     @property
     def places(self) -> Floats:
-        return self.origin + self.nodes[:, None] * self._tangent
+        return self.origin + self.nodes[:, None] * self.tangent
 
     @property
     def areas(self) -> Floats:
@@ -84,8 +84,4 @@ class HalfPlane(ElasticSurface):
         return galerkin(answer, self.nodes, self.areas)
 
     def interpolation(self, x: Floats) -> scipy.sparse.csr_matrix:
-        return hats(self.name, (x - self.origin) @ self._tangent, self.nodes)
-
-    @property
-    def _tangent(self) -> Floats:
-        return np.array([self.normal[1], -self.normal[0]])
+        return hats(self.name, (x - self.origin) @ self.tangent, self.nodes)

@@ -55,7 +55,7 @@ class PeriodicSurface(ElasticSurface):
 
     @property
     def places(self) -> Floats:
-        return self.origin + self.nodes[:, None] * np.array([self.normal[1], -self.normal[0]])
+        return self.origin + self.nodes[:, None] * self.tangent
 
     @property
     def areas(self) -> Floats:
@@ -73,7 +73,7 @@ class PeriodicSurface(ElasticSurface):
 
     def interpolation(self, x: Floats) -> scipy.sparse.csr_matrix:
         count = len(self.nodes)
-        at = np.mod((x - self.origin) @ np.array([self.normal[1], -self.normal[0]]), self.period)
+        at = np.mod((x - self.origin) @ self.tangent, self.period)
         wrapped = hats(self.name, at, np.append(self.nodes, self.period)).tocoo()
         entries = (wrapped.data, (wrapped.row, wrapped.col % count))
         return scipy.sparse.csr_matrix(entries, shape=(len(x), count))
