@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -24,7 +24,7 @@ from .problem import (
     contact_traces,
     free_fixing_dofs,
     nodal_operator,
-    rigid_motions,
+    refreshed_traces,
 )
 from .task import LocalTask
 
@@ -40,16 +40,13 @@ class AssembledProblem:
         self.matrix = self.dofs.stiffness.reduced
         self.stiffness: Operator = task.collective(self.matrix)
         self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
-        largest = float(self.matrix.diagonal().max(initial=0.0))
-        (modes, coefficients), springs = self.dofs.motions, self.dofs.spring_forces
-        kinematics = task.body.kinematics
-        self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, largest)
+        self.rigid = self.dofs.rigid_motions(self.traces)
         self._robin = _RobinSystem(self.dofs, self.matrix, self.traces)
 
     def refreshed(self, dofs: Any) -> AssembledProblem:
         other = copy(self)
         other.dofs = dofs
-        other.traces = [replace(t, offset=dofs.space.prescribed(t.side.trace)) for t in self.traces]
+        other.traces = refreshed_traces(self.traces, dofs.space)
         return other
 
     @property

@@ -17,7 +17,7 @@ from .condensation import Condensation, ElementCondensation, MirroredCondensatio
 from .copies import loaded_alike
 from .dense import DenseSystem
 from .discrete import DiscreteBody
-from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
+from .problem import Fields, Solver, contact_traces, nodal_operator, refreshed_traces, rigid_motions
 from .rigid import orthonormal
 from .task import LocalTask
 
@@ -69,7 +69,7 @@ class CondensedProblem:
     def refreshed(self, dofs: Any) -> CondensedProblem:
         other = copy(self)
         other.dofs = dofs
-        other.traces = [replace(t, offset=dofs.space.prescribed(t.side.trace)) for t in self.traces]
+        other.traces = refreshed_traces(self.traces, dofs.space)
         other.system = replace(self.system, traces=other.traces)
         if "_robin" in vars(self.system):  # does not depend on the offsets
             vars(other.system)["_robin"] = self.system._robin

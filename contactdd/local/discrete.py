@@ -5,6 +5,7 @@ What the local problems of meshed bodies have in common, whichever way they solv
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
 from functools import cached_property
@@ -15,7 +16,7 @@ from ..base.arrays import Floats
 from ..body import Body
 from .copies import loaded_alike
 from .forms import load_vector
-from .problem import Fields
+from .problem import ContactTrace, Fields, rigid_motions
 from .rigid import RigidMotions, allowed_motions
 from .space import admissible_space
 from .stiffness import Stiffness
@@ -69,6 +70,13 @@ class DiscreteBody:
         other.space = replace(self.space, offset=now.offset, carried=now.carried)
         other._set_loads()
         return other
+
+    def rigid_motions(self, traces: Sequence[ContactTrace]) -> RigidMotions:
+        """The motions in all unknowns, with what springs and each contact add to their stiffness."""
+        scale = float(self.stiffness.reduced.diagonal().max(initial=0.0))
+        return rigid_motions(
+            self.body.name, self.body.kinematics, traces, *self.motions, self.spring_forces, stiffness_scale=scale
+        )
 
     def _set_loads(self) -> None:
         """Set what follows from the loads and prescribed displacements."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Any
@@ -13,8 +13,8 @@ import scipy
 from ..base.arrays import Floats
 from ..meshless import MeshlessBody
 from .dense import DenseSystem
-from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
-from .rigid import allowed_motions
+from .problem import ContactTrace, Fields, Solver, contact_traces, nodal_operator, refreshed_traces, rigid_motions
+from .rigid import RigidMotions, allowed_motions
 from .space import AdmissibleSpace
 from .task import LocalTask
 
@@ -41,6 +41,24 @@ class MeshlessDofs:
 
     def displacement(self, y: Floats) -> Floats:
         return self.space.extended(y) + self.space.offset
+
+    def restrict(self, u: Floats) -> Floats:
+        """The unknowns of a displacement in all degrees of freedom."""
+        return self.space.restricted(u - self.space.offset)
+
+    def fields(self, y: Floats, deformation: Floats, stiffness: Any) -> Fields:
+        """The body's solution by the stiffness between all degrees of freedom, as of `LocalProblem.fields`."""
+        u, deformed = self.displacement(y), self.displacement(deformation)
+        elastic = stiffness @ deformed
+        return Fields(u, elastic, np.zeros_like(u), 0.5 * float(deformed @ elastic))
+
+    def rigid_motions(self, traces: Sequence[ContactTrace], stiffness_scale: float) -> RigidMotions:
+        """The rigid motions that what is prescribed allows, with what each contact adds to their stiffness."""
+        body = self.body
+        modes, coefficients = body.rigid_motions()
+        allowed, combined = allowed_motions(modes, self.space)
+        springs, combined = np.zeros_like(allowed), coefficients @ combined
+        return rigid_motions(body.name, body.kinematics, traces, allowed, combined, springs, stiffness_scale)
 
     def free_forces(self, forces: Floats) -> Floats:
         return self.space.restricted(forces)
@@ -72,11 +90,7 @@ class MeshlessProblem:
         space = self.dofs.space
         self.stiffness = matrix[np.ix_(space.free_dofs, space.free_dofs)]
         self.traces = contact_traces(task.sides, space)
-        modes, coefficients = body.rigid_motions()
-        allowed, combined = allowed_motions(modes, space)
-        scale = float(matrix.diagonal().max(initial=0.0))
-        springs, combined = np.zeros_like(allowed), coefficients @ combined
-        self.rigid = rigid_motions(self.name, body.kinematics, self.traces, allowed, combined, springs, scale)
+        self.rigid = self.dofs.rigid_motions(self.traces, float(matrix.diagonal().max(initial=0.0)))
         self._system = DenseSystem(self.name, self.stiffness, self.traces, self.rigid)
         self._set_loads()
 
@@ -85,7 +99,7 @@ class MeshlessProblem:
         other.dofs = self.dofs.refreshed()
         if not np.array_equal(other.dofs.space.free_dofs, self.dofs.space.free_dofs):
             raise ValueError(f"prescribed() of body {self.name!r}: other degrees of freedom are free than before")
-        other.traces = [replace(t, offset=other.dofs.space.prescribed(t.side.trace)) for t in self.traces]
+        other.traces = refreshed_traces(self.traces, other.dofs.space)
         other._system = replace(self._system, traces=other.traces)
         other._set_loads()
         return other
@@ -122,7 +136,7 @@ class MeshlessProblem:
         return self._system.start(normal_displacement)
 
     def restrict(self, u: Floats) -> Floats:
-        return self.dofs.space.restricted(u - self.dofs.space.offset)
+        return self.dofs.restrict(u)
 
     def displacement(self, y: Floats) -> Floats:
         return self.dofs.displacement(y)
@@ -131,9 +145,7 @@ class MeshlessProblem:
         return operator @ self.dofs.displacement(y)
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
-        u, deformed = self.displacement(y), self.displacement(deformation)
-        elastic = self._matrix @ deformed
-        return Fields(u, elastic, np.zeros_like(u), 0.5 * float(deformed @ elastic))
+        return self.dofs.fields(y, deformation, self._matrix)
 
 
 def _sized(what: str, values: Floats, body: MeshlessBody) -> Floats:

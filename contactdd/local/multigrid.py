@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from petsc4py import PETSc
 
 from ..base.arrays import Floats, Indices, Operator
 from .discrete import DiscreteBody
-from .problem import ContactTrace, Fields, Solver, contact_traces, free_fixing_dofs, nodal_operator, rigid_motions
+from .problem import ContactTrace, Fields, Solver, contact_traces, free_fixing_dofs, nodal_operator, refreshed_traces
 from .rigid import RigidMotions
 from .task import LocalTask
 
@@ -32,16 +32,13 @@ class MultigridProblem:
         matrix = self.dofs.stiffness.reduced
         self.stiffness: Operator = task.collective(matrix)
         self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
-        largest = float(matrix.diagonal().max(initial=0.0))
-        (modes, coefficients), springs = self.dofs.motions, self.dofs.spring_forces
-        kinematics = task.body.kinematics
-        self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, largest)
+        self.rigid = self.dofs.rigid_motions(self.traces)
         self._robin = _RobinSystem(self.dofs, matrix, self.traces, self.rigid)
 
     def refreshed(self, dofs: Any) -> MultigridProblem:
         other = copy(self)
         other.dofs = dofs
-        other.traces = [replace(t, offset=dofs.space.prescribed(t.side.trace)) for t in self.traces]
+        other.traces = refreshed_traces(self.traces, dofs.space)
         return other
 
     @property

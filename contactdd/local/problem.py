@@ -11,7 +11,7 @@ freedom (`BodyDofs`, of meshes `discrete.DiscreteBody`) and dense algebra (`dens
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -262,6 +262,11 @@ def contact_traces(
         robin_trace = trace if side.surface.trace is side.trace else some(side.surface.trace)
         found.append(ContactTrace(index, side, trace, space.prescribed(side.trace), robin_trace))
     return found
+
+
+def refreshed_traces(traces: Sequence[ContactTrace], space: AdmissibleSpace) -> list[ContactTrace]:
+    """The same traces for the present prescribed displacements."""
+    return [replace(trace, offset=space.prescribed(trace.side.trace)) for trace in traces]
 
 
 def nodal_operator(traces: Sequence[ContactTrace]) -> scipy.sparse.csr_matrix:

@@ -14,7 +14,7 @@ from ..base.arrays import Floats
 from ..base.checks import as_floats
 from .dense import DenseSystem
 from .discrete import DiscreteBody
-from .problem import ContactTrace, Fields, Solver, nodal_operator, rigid_motions
+from .problem import ContactTrace, Fields, Solver, nodal_operator, refreshed_traces, rigid_motions
 from .rigid import orthonormal
 from .space import AdmissibleSpace
 from .task import LocalTask
@@ -84,7 +84,7 @@ class ReducedProblem:
     def refreshed(self, dofs: Any) -> ReducedProblem:
         other = copy(self)
         other.dofs = ReducedDofs(dofs, self._basis)
-        other.traces = [replace(t, offset=dofs.space.prescribed(t.side.trace)) for t in self.traces]
+        other.traces = refreshed_traces(self.traces, dofs.space)
         other._system = replace(self._system, traces=other.traces)
         return other
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,7 @@ from ..base.arrays import Floats
 from ..base.sparse import stacked
 from ..base.spectral import SpectralStiffness
 from .meshless import MeshlessDofs
-from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
-from .rigid import allowed_motions
+from .problem import Fields, Solver, contact_traces, nodal_operator, refreshed_traces
 from .task import LocalTask
 
 #: The relative accuracy of a body's own solve: below what the outer iterations ask for.
@@ -40,17 +38,12 @@ class SpectralProblem:
         if space.size != self.stiffness.shape[0]:
             raise ValueError(f"prescribed() of body {body.name!r}: expected the translation alone, if anything")
         self.traces = contact_traces(task.sides, space)
-        modes, coefficients = body.rigid_motions()
-        allowed, combined = allowed_motions(modes, space)
-        springs, combined = np.zeros_like(allowed), coefficients @ combined
-        self.rigid = rigid_motions(
-            self.name, body.kinematics, self.traces, allowed, combined, springs, self.stiffness.largest
-        )
+        self.rigid = self.dofs.rigid_motions(self.traces, self.stiffness.largest)
 
     def refreshed(self, dofs: Any) -> SpectralProblem:
         other = copy(self)
         other.dofs = self.dofs.refreshed()
-        other.traces = [replace(t, offset=other.dofs.space.prescribed(t.side.trace)) for t in self.traces]
+        other.traces = refreshed_traces(self.traces, other.dofs.space)
         return other
 
     @property
@@ -114,7 +107,7 @@ class SpectralProblem:
         return scipy.sparse.linalg.lsqr(rows, values, atol=1e-12, btol=1e-12)[0]
 
     def restrict(self, u: Floats) -> Floats:
-        return self.dofs.space.restricted(u - self.dofs.space.offset)
+        return self.dofs.restrict(u)
 
     def displacement(self, y: Floats) -> Floats:
         return self.dofs.displacement(y)
@@ -123,6 +116,4 @@ class SpectralProblem:
         return operator @ self.dofs.displacement(y)
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
-        u, deformed = self.displacement(y), self.displacement(deformation)
-        elastic = self._matrix @ deformed
-        return Fields(u, elastic, np.zeros_like(u), 0.5 * float(deformed @ elastic))
+        return self.dofs.fields(y, deformation, self._matrix)
