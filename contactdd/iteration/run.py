@@ -394,7 +394,7 @@ class Run:
         """
         if not len(self.history):  # later iterates' energies are in their records
             try:
-                self._energy(self.state, self.ensemble.forces(self.state))
+                self._energy(self.state, found.forces)
             except NotANumberError as error:
                 return Termination("diverged", f"{error} at the start")
         if found.residual * found.scale <= BALANCED * self.ensemble.load_size:
