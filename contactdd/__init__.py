@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
     from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
+    from .layers.bonded import BondedLayer
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
     from .layers.hyperbolic import HyperbolicLayer
@@ -76,6 +77,7 @@ if TYPE_CHECKING:
 _LATER = {
     "Adaptation": "adaptation",
     "AxisymmetricHalfSpace": "partners.half_space",
+    "BondedLayer": "layers.bonded",
     "Cone": "shapes",
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
@@ -120,6 +122,7 @@ __all__ = [
     "Body",
     "BodyForce",
     "BodyResult",
+    "BondedLayer",
     "CheckpointError",
     "Cone",
     "Contact",

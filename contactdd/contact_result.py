@@ -51,8 +51,8 @@ class ContactResult:
         normal: (n, dim) The outward unit normals of the first body.
         weights: (n,) The area of each point, so that weights @ f is the integral of f (area).
         gap: (n,) The deformed gap z = d − u_αn − u_βn, eq. (14) (length).
-        compression: (n,) The compression of the layer, w = min(z, 0) (length).
-        pressure: (n,) The contact pressure −σ_n >= 0 (stress).
+        compression: (n,) The compression of the layer, w = min(z, 0); of a bonded layer z (length).
+        pressure: (n,) The contact pressure −σ_n >= 0, negative where a bonded layer carries tension (stress).
         unpaired_area: The area of either surface that lies opposite nothing and is therefore outside the contact.
         initial_gap: (n,) The gap d before deformation (length).
         outline: The `corners`, or what finds them when they are first asked for; None where they are not known.
@@ -62,6 +62,7 @@ class ContactResult:
             stiffer than the elements on meshes that do not match. `pressure` is the projected one then, and the repr
             says so.
         hard: Whether there is no layer; `compression` is then the remaining penetration.
+        bonded: Whether the layer carries tension: all its points count as closed, and it has no edge.
         nodal: The pressure as a linear field on one surface, or what finds it when it is first asked for; None where it
             is not known.
 
@@ -89,6 +90,7 @@ class ContactResult:
     wavers: bool = False
     hard: bool = False
     nodal: NodalPressure | Callable[[], NodalPressure] | None = field(default=None, repr=False, compare=False)
+    bonded: bool = False
 
     @cached_property
     def corners(self) -> Floats | None:
@@ -137,8 +139,8 @@ class ContactResult:
 
     @property
     def closed(self) -> NDArray[np.bool_]:
-        """The mask (n,) of the points where the layer is compressed, or a hard contact carries pressure."""
-        return self.pressure > 0.0 if self.hard else self.gap < 0.0
+        """The mask (n,) of the points whose layer is compressed or a bond, or where a hard contact carries pressure."""
+        return self.pressure > 0.0 if self.hard else (self.gap < 0.0) | self.bonded
 
     @property
     def penetration(self) -> float:
@@ -161,7 +163,7 @@ class ContactResult:
 
     @property
     def area(self) -> float:
-        """The real contact area, of the points where the layer is compressed (area)."""
+        """The real contact area, of the points that are `closed` (area)."""
         return float(self.weights[self.closed].sum())
 
     @property
@@ -173,6 +175,11 @@ class ContactResult:
     def peak_pressure(self) -> float:
         """The largest contact pressure at the points (stress)."""
         return float(self.pressure.max())
+
+    @property
+    def peak_tension(self) -> float:
+        """The largest tensile stress of a bonded layer at the points (stress); zero where there is none."""
+        return max(0.0, -float(self.pressure.min()))
 
     @property
     def mean_pressure(self) -> float:
@@ -239,7 +246,7 @@ class ContactResult:
     def edge(self) -> Floats:
         """The points (k, dim) where contact begins and ends: the zeros of z between points; in the plane only.
 
-        Contact that reaches the end of the surface has no edge there.
+        Contact that reaches the end of the surface has no edge there, and a bonded layer has none.
         """
         ordered = self.sorted()
         chain, z = self._curve.locate(ordered.x)[1], ordered._opening
@@ -308,6 +315,7 @@ class ContactResult:
             if area > 0.0
         )
         numbers = f"{len(self.x)} points, peak pressure {self.peak_pressure:.6g}, force {self.force:.6g}"
+        numbers += f", peak tension {self.peak_tension:.6g}" if self.bonded else ""
         return f"ContactResult({numbers}{alone}{self._note})"
 
     @property
@@ -325,6 +333,8 @@ class ContactResult:
     @property
     def _opening(self) -> Floats:
         """A field (n,) with a change of sign at the edge of contact: the gap; in a hard contact less the pressure."""
+        if self.bonded:
+            return np.full(len(self.gap), -1.0)
         if not self.hard:
             return self.gap
         gap, pressure = np.where(self.closed, 0.0, np.maximum(self.gap, 0.0)), self.pressure

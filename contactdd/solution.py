@@ -595,19 +595,25 @@ class Solution:
 
 
 def _passed(interface: Interface, gaps: Floats) -> str:
-    """The note on a contact whose layer is compressed beyond the limit of its law; empty if there is none."""
-    contact, limit = interface.contact, interface.layer.compression_limit
+    """The note on a contact whose layer is compressed or stretched beyond its law's limit; empty if there is none."""
+    law = interface.layer
+    pressed = _beyond(interface, -gaps, law.compression_limit, "compressed")
+    return pressed or _beyond(interface, gaps, getattr(law, "extension_limit", math.inf), "stretched")
+
+
+def _beyond(interface: Interface, extent: Floats, limit: float | Floats, what: str) -> str:
+    """The note on a contact whose layer is compressed or stretched by more than a limit."""
     if limit is math.inf:
         return ""
-    limit = np.broadcast_to(limit, gaps.shape)
-    beyond = -gaps > limit * (1 + 1e-9)  # at the last point itself rounding tells nothing
+    limit = np.broadcast_to(limit, extent.shape)
+    beyond = extent > limit * (1 + 1e-9)  # at the last point itself rounding tells nothing
     if not np.any(beyond):
         return ""
-    worst = int(np.argmax(np.where(beyond, -gaps / limit, 0.0)))
+    worst = int(np.argmax(np.where(beyond, extent / limit, 0.0)))
     share = float(interface.weights @ beyond) / float(interface.weights.sum())
     return (
-        f"contact {contact.name!r}: on {share:.2g} of its area the layer is compressed further than its law is known, "
-        f"to {-gaps[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
+        f"contact {interface.contact.name!r}: on {share:.2g} of its area the layer is {what} further than its law is "
+        f"known, to {extent[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
     )
 
 
@@ -650,7 +656,7 @@ def _contact_result(
         interface.normal,
         interface.weights,
         gaps,
-        np.minimum(gaps, 0.0),
+        interface.compressions(gaps),
         found.at_points if wavers else pressure,
         interface.unpaired_area,
         interface.gap,
@@ -660,14 +666,15 @@ def _contact_result(
         wavers,
         interface.hard,
         found,
+        interface.layer.bonded,
     )
 
 
 def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> float:
-    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets; 0 without a layer."""
+    """k h/E: the layer's stiffness where it works, beside that of the softer body's facets; 0 without a layer."""
     if interface.hard:
         return 0.0
-    pressing = pressure > 0.0
-    shares = interface.weights[pressing] * pressure[pressing]
+    pressing = pressure != 0.0
+    shares = interface.weights[pressing] * np.abs(pressure[pressing])
     stiffness = interface.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
     return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

@@ -181,6 +181,14 @@ class Interface:
         """Whether the contact has no layer."""
         return isinstance(self.contact.layer, HardContact)
 
+    def closed(self, gap: Floats, pressure: Floats) -> NDArray[np.bool_]:
+        """Where the layer is compressed, a hard contact carries pressure, or a bond holds, (points,)."""
+        return pressure > 0.0 if self.hard else (gap < 0.0) | self.layer.bonded
+
+    def compressions(self, gap: Floats) -> Floats:
+        """The compressions w of the layer, (points,), positive where a bond is stretched."""
+        return gap if self.layer.bonded else np.minimum(gap, 0.0)
+
 
 def without_rounding(distance: Floats, size: float) -> Floats:
     """Distances between surfaces whose coordinates are up to `size`, those that are rounding alone made zero.
@@ -311,9 +319,9 @@ def _mirrored(contact: Contact) -> bool:
 
 def _half(law: Layer) -> Layer:
     """The half of a law that lies on one side of a mirror plane."""
-    from ..layers.halved import HalvedLayer
+    from ..layers.halved import half
 
-    return HalvedLayer(law)
+    return half(law)
 
 
 def _seen_meshless(

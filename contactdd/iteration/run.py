@@ -234,8 +234,9 @@ class Run:
         return step, state, self._measured(state)
 
     def _contact_area(self, state: State) -> float:
-        """The area where z < 0."""
-        return sum(float(i.weights @ (z < 0)) for i, z in zip(self.ensemble.interfaces, state.gaps, strict=True))
+        """The area where z < 0, or where surfaces are bonded."""
+        contacts = zip(self.ensemble.interfaces, state.gaps, strict=True)
+        return sum(float(i.weights @ ((z < 0) | i.layer.bonded)) for i, z in contacts)
 
     def _energy(self, state: State, forces: Forces) -> float:
         """F₁ at an iterate; NotANumberError, which names the layer, where it is no finite number."""

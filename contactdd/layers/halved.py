@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..base.arrays import Floats
 from ..layer import Layer
+from .bonded import BondedLayer
 
 
 @dataclass(frozen=True)
@@ -56,3 +57,10 @@ class HalvedLayer(Layer):
 
     def _depth(self, p: Floats) -> Floats:
         return 0.5 * self.layer._depth(p)
+
+
+def half(law: Layer) -> Layer:
+    """The half of a law, of both branches of one that carries tension."""
+    if isinstance(law, BondedLayer):
+        return BondedLayer(HalvedLayer(law.layer), law.tension and HalvedLayer(law.tension))
+    return HalvedLayer(law)
