@@ -63,6 +63,9 @@ class ContactResult:
             says so.
         hard: Whether there is no layer; `compression` is then the remaining penetration.
         bonded: Whether the layer carries tension: all its points count as closed, and it has no edge.
+        slip: (n, dim) The tangential displacement of the first surface relative to the second where a bond resists it
+            (length); else None.
+        shear: (n, dim) The traction on the first body that this causes (stress); else None.
         nodal: The pressure as a linear field on one surface, or what finds it when it is first asked for; None where it
             is not known.
 
@@ -91,6 +94,8 @@ class ContactResult:
     hard: bool = False
     nodal: NodalPressure | Callable[[], NodalPressure] | None = field(default=None, repr=False, compare=False)
     bonded: bool = False
+    slip: Floats | None = None
+    shear: Floats | None = None
 
     @cached_property
     def corners(self) -> Floats | None:
@@ -154,12 +159,18 @@ class ContactResult:
 
     @property
     def force_vector(self) -> Floats:
-        """The resultant −∫ p n ds of the contact pressure on the first body, (dim,) (force).
+        """The resultant −∫ p n ds of the contact pressure on the first body, and of a bond's shear, (dim,) (force).
 
         That on the second body is the opposite. Around a ring radial tractions sum to zero.
         """
-        total = -(self.weights * self.pressure) @ self.normal
+        total = np.sum(self._forces, axis=0)
         return total * [0.0, 1.0] if self.ring else total
+
+    @property
+    def _forces(self) -> Floats:
+        """The forces on the first body that the points carry, (n, dim)."""
+        tractions = -self.pressure[:, None] * self.normal
+        return self.weights[:, None] * (tractions if self.shear is None else tractions + self.shear)
 
     @property
     def area(self) -> float:
@@ -208,17 +219,17 @@ class ContactResult:
         return centre * np.array([0.0, 1.0]) if self.ring else centre
 
     def moment(self, about: ArrayLike = 0.0) -> float | Floats:
-        """The moment −∫ (x − x₀) × n p ds of the contact pressure on the first body about a point.
+        """The moment −∫ (x − x₀) × n p ds of the contact pressure, and of a bond's shear, on the first body.
 
         Args:
-            about: x₀, (dim,), or one number for all its coordinates (length).
+            about: The point x₀, (dim,), or one number for all its coordinates (length).
 
         Returns:
             The moment about the axis z in the plane, (3,) in space (force · length); zero for a ring, whose pressures
             balance.
         """
         arms = self.x - as_floats("about", about, f"{self.x.shape[1]} numbers")
-        forces = -(self.weights * self.pressure)[:, None] * self.normal
+        forces = self._forces
         if self.x.shape[1] == 3:
             return np.cross(arms, forces).sum(axis=0)
         return 0.0 if self.ring else float(np.sum(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]))
@@ -235,7 +246,8 @@ class ContactResult:
     def sorted(self) -> ContactResult:
         """The same result, its points in the order of `arc_length`; in space in that of x, y, z."""
         order = np.argsort(self.arc_length, kind="stable") if self.x.shape[1] == 2 else np.lexsort(self.x.T[::-1])
-        names = ("x", "normal", "weights", "gap", "compression", "pressure", "initial_gap", "pointwise_pressure")
+        names = ["x", "normal", "weights", "gap", "compression", "pressure", "initial_gap", "pointwise_pressure"]
+        names += ["slip", "shear"]
         parts = {name: getattr(self, name) for name in names}
         found = replace(self, **{name: part[order] for name, part in parts.items() if part is not None})
         if self.nodal is None:
@@ -285,12 +297,15 @@ class ContactResult:
         table |= vector_columns("normal", own.normal) | {"weight": own.weights}
         if own.initial_gap is not None:
             table["initial_gap"] = own.initial_gap
-        return table | {
+        table |= {
             "gap": own.gap,
             "compression": own.compression,
             "pressure": own.pressure,
             "closed": own.closed.astype(int),
         }
+        if own.slip is not None and own.shear is not None:
+            table |= vector_columns("slip", own.slip) | vector_columns("shear", own.shear)
+        return table
 
     def frame(self) -> Any:
         """The result as a pandas DataFrame, one row per point.

@@ -44,6 +44,11 @@ class Layer(ABC):
     bonded: ClassVar[bool] = False
 
     @property
+    def sliding(self) -> Layer | None:
+        """The law of the tangential displacement along the contact, None where nothing resists it."""
+        return None
+
+    @property
     def clearance(self) -> float | Floats:
         """The distance of the surfaces at which the law begins (length), 0 for most laws.
 

@@ -63,6 +63,7 @@ class Scene:
         # On a single rank the weights for load balancing are not needed.
         self.ranks = Ranks(comm, [0.0 if comm.size == 1 or body.mesh is None else body.dofs for body in self.bodies])
         self._interfaces: list[Interface] | None = None
+        self._sliding: list[Interface] | None = None
         self._solvers: LocalSolvers | None = None
         self._read = self._parameter_values()
 
@@ -80,6 +81,18 @@ class Scene:
             ]
         return self._interfaces
 
+    @property
+    def sliding(self) -> list[Interface]:
+        """The interfaces of what resists sliding in the contacts, in their order; mostly none."""
+        if self._sliding is None:
+            self._sliding = []
+            for index, contact in enumerate(self.contacts):
+                if contact.sliding is not None:
+                    from .interface.sliding import sliding_interfaces
+
+                    self._sliding += sliding_interfaces(self.interfaces[index], index)
+        return self._sliding
+
     def local_problems(self, local_solver: str = "auto") -> list[LocalProblem]:
         """Every body's local problem, in order.
 
@@ -94,7 +107,7 @@ class Scene:
         if self._parameter_values() != self._read:
             self.refresh()
         if self._solvers is None:
-            self._solvers = LocalSolvers(self.bodies, self.interfaces, self.ranks)
+            self._solvers = LocalSolvers(self.bodies, [*self.interfaces, *self.sliding], self.ranks)
         return self._solvers.problems(local_solver)
 
     def subproblems(self, local_solver: str = "auto") -> list[LocalProblem]:
@@ -140,7 +153,9 @@ class Scene:
         other._interfaces = [
             interface.with_layer(c.layer) for interface, c in zip(self.interfaces, other.contacts, strict=True)
         ]
-        other._solvers = None if self._solvers is None else self._solvers.shared()
+        other._sliding = None
+        alike = [one.slides for one in self.sliding] == [one.slides for one in other.sliding]
+        other._solvers = self._solvers.shared() if alike and self._solvers is not None else None
         return other
 
     def with_bodies(self, bodies: Mapping[str, Body]) -> Scene:

@@ -105,7 +105,7 @@ class Solution:
     @property
     def interfaces(self) -> Sequence[Interface]:
         """The discretised contacts as they were solved; a parameter may have changed the scene's since."""
-        return self._ensemble.interfaces
+        return self._ensemble.interfaces[: len(self.scene.contacts)]
 
     def displacement(self, body: str | Body) -> fem.Function:
         """The displacement of a body (length), a dolfinx function; of a body without a mesh its unknowns, (dofs,).
@@ -167,7 +167,20 @@ class Solution:
                 pressure = _law_pressure(interface, gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
-        return _contact_result(interface, gaps, pressure, stiffness_ratio, wavers)
+        result = _contact_result(interface, gaps, pressure, stiffness_ratio, wavers)
+        return result if interface.contact.sliding is None else self._with_slip(result, index, degree, interface)
+
+    def _with_slip(self, result: ContactResult, index: int, degree: int | None, interface: Interface) -> ContactResult:
+        """The result of a contact with its slip and the shear tractions."""
+        from .interface.sliding import sliding_interfaces, slip
+
+        if degree is None:
+            state = zip(self._ensemble.interfaces, self._state.gaps, strict=True)
+            known = [(i, gaps) for i, gaps in state if i.slides == index]
+        else:
+            known = [(i, -self._closed(i)) for i in sliding_interfaces(interface, index)]
+        slips, tractions = slip(known)
+        return replace(result, slip=slips, shear=tractions)
 
     def contact_at(self, other: Interface) -> tuple[Floats, Floats]:
         """The gap (length) and the contact pressure (stress), (points,) each, at the points of the same contact as it
@@ -190,7 +203,7 @@ class Solution:
     @property
     def notes(self) -> tuple[str, ...]:
         """Remarks on the result: contacts where a layer is compressed further than its law is known."""
-        found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
+        found = (_passed(i, z) for i, z in zip(self.interfaces, self._gaps, strict=True))
         return tuple(note for note in found if note)
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
@@ -272,23 +285,23 @@ class Solution:
     @property
     def _penalty_energy(self) -> float:
         """The energy of hard contacts in the augmented Lagrangian."""
-        contacts = zip(self.interfaces, self._state.gaps, strict=True)
+        contacts = zip(self._ensemble.interfaces, self._state.gaps, strict=True)
         return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
     @property
     def multipliers(self) -> list[Floats]:
-        """The pressures (points,) of every contact if one of them is hard, to go on from; else an empty list."""
-        return [self._pressure(index) for index in range(len(self.interfaces))] if self._state.shifts else []
+        """The pressures (points,) of every interface if a contact is hard, to go on from; else an empty list."""
+        return [self._pressure(index) for index in range(len(self._state.gaps))] if self._state.shifts else []
 
     @property
     def _gaps(self) -> list[Floats]:
         """The deformed gaps z at the points of every interface, of hard contacts too."""
-        gaps, shifts = self._state.gaps, self._state.shifts
-        return [z + s for z, s in zip(gaps, shifts, strict=True)] if shifts else gaps
+        gaps, shifts = self._state.gaps[: len(self.scene.contacts)], self._state.shifts
+        return [z + s for z, s in zip(gaps, shifts, strict=False)] if shifts else gaps
 
     def _pressure(self, index: int) -> Floats:
         """The contact pressure at the points of an interface."""
-        return _law_pressure(self.interfaces[index], self._state.gaps[index])
+        return _law_pressure(self._ensemble.interfaces[index], self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
         """The six stresses of a body, a dolfinx function, in the order xx, yy, zz, yz, xz, xy.
@@ -407,7 +420,7 @@ class Solution:
 
     def warn_of_large_strains(self) -> None:
         """Warn (`LargeStrainWarning`) where linear theory is doubtful; look closer only where contacts hint at it."""
-        if small_strains.suspicious(self.interfaces, self._state.gaps) and self.scene.ranks.comm.rank == 0:
+        if small_strains.suspicious(self._ensemble.interfaces, self._state.gaps) and self.scene.ranks.comm.rank == 0:
             small_strains.warn(self.strain_sizes)
 
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:

@@ -194,7 +194,7 @@ def _ensemble(scene: Scene, scheme: Scheme, local_solver: str) -> Ensemble:
     problems, interfaces = scene.local_problems(local_solver), scene.interfaces
     if scheme.decomposed and _is_hard(scene):
         interfaces = [interface.decomposed() for interface in interfaces]
-    return Ensemble(problems, interfaces)
+    return Ensemble(problems, [*interfaces, *scene.sliding])
 
 
 def _raise_failure(solution: Solution, ending: Termination) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -34,13 +34,15 @@ class InterfaceSide:
     """One body's side of an interface of n points.
 
     body: its index in the scene; trace: (n, dofs) from its displacement to u_n at the points; transfer: from values
-    at the interface's points to the integration points of the body's own surface, for its Robin term.
+    at the interface's points to the integration points of the body's own surface, for its Robin term; along: gives the
+    same operator to its displacement along an axis (dim,).
     """
 
     body: int
     surface: ContactSurface | PointSurface
     trace: scipy.sparse.csr_matrix
     transfer: Gather | scipy.sparse.csr_matrix
+    along: Callable[[Floats], scipy.sparse.csr_matrix]
 
     @property
     def meshed(self) -> ContactSurface:
@@ -78,7 +80,8 @@ class Interface:
     unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second surface's
     opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
     points are no nodes; doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is
-    meant, None if they do not; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact
+    meant, None if they do not; slides: None, or the index of the contact whose sliding along an axis this interface is,
+    `normal` then being that axis; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact
     integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
@@ -95,6 +98,7 @@ class Interface:
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
     doubt: Floats | None = None
+    slides: int | None = None
     layer: Layer = field(init=False)
 
     def __post_init__(self) -> None:
@@ -229,9 +233,13 @@ def discretise(
     given = PrescribedGap(smooth_places(first) if callable(contact.gap) else first.points.x, first.average)
     shape = given.at(contact.gap)
     sides = (
-        InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
+        InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread(), first.mean_along),
         InterfaceSide(
-            bodies[1], second, matched.in_order(second.mean(second.trace).tocsr()), second.spread(matched.places)
+            bodies[1],
+            second,
+            matched.in_order(second.mean(second.trace).tocsr()),
+            second.spread(matched.places),
+            lambda axis: matched.in_order(second.mean_along(axis)),
         ),
     )
     return Interface(
@@ -261,8 +269,8 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
     given = PrescribedGap(places, own.average, part=0.5 if _mirrored(contact) else 1.0)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
-        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
-        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread(), own.mean_along),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points, _meshless_along(partner, x)),
     ]
     first, second = sides if meshed == 0 else reversed(sides)
     return Interface(
@@ -293,9 +301,19 @@ def _nodes_opposite_meshless(
     weights, trace = sampling.weights, (values @ trace).tocsr()
     points = Gather(np.arange(len(weights)), len(weights))
     means = _facet_means(own, facets, own.weights, sampling.spread)
+
+    def along(axis: Floats) -> scipy.sparse.csr_matrix:
+        return (values @ _meshless_along(partner, own.points.x)(axis)).tocsr()
+
     sides = [
-        InterfaceSide(bodies[meshed], own, (values @ own.trace).tocsr(), means),
-        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+        InterfaceSide(
+            bodies[meshed],
+            own,
+            (values @ own.trace).tocsr(),
+            means,
+            lambda axis: (values @ own.trace_along(axis)).tocsr(),
+        ),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points, along),
     ]
     first, second = sides if meshed == 0 else reversed(sides)
     return Interface(
@@ -371,7 +389,22 @@ def _side_of_points(
     body, count = contact.sides[side][0], len(weights)
     trace = _operator(body.normal_displacement(*rays), count)
     points = PointSurface(weights, trace, stiffnesses=body.point_stiffnesses(), corners=body.contact_facets())
-    return InterfaceSide(place, points, trace, Gather(np.arange(count), count))
+    return InterfaceSide(place, points, trace, Gather(np.arange(count), count), _meshless_along(body, rays[0]))
+
+
+def _meshless_along(body: MeshlessBody, x: Floats) -> Callable[[Floats], scipy.sparse.csr_matrix]:
+    """What gives the operator to the displacement of a body without a mesh along an axis, opposite points x."""
+
+    def along(axis: Floats) -> scipy.sparse.csr_matrix:
+        found = body.displacement_along(x, axis)
+        if found is None:
+            raise ValueError(
+                f"contact with body {body.name!r}: how a {type(body).__name__} moves along its surface is not known; "
+                "expected a layer without shear_stiffness"
+            )
+        return _operator(found, len(x))
+
+    return along
 
 
 def _no_functions() -> LinearFunctions:
@@ -431,6 +464,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
             surface,
             (values @ _trace(surface, partners, index, sign)).tocsr(),
             _facet_means(surface, partners.facets[index], partners.weights, sampling.spread),
+            partial(_seen_along, surface, partners, index, values),
         )
         for index, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
     )
@@ -449,6 +483,14 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         gathered=sampling.gathered,
         doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
+
+
+def _seen_along(
+    surface: ContactSurface, partners: PointPairs, index: int, mean: scipy.sparse.csr_matrix, axis: Floats
+) -> scipy.sparse.csr_matrix:
+    """The displacement of one side along an axis (dim,), at the values, (n, dofs)."""
+    directions = np.broadcast_to(axis, partners.normal.shape)
+    return (mean @ normal_trace(surface.body.space, partners.points[index], directions)).tocsr()
 
 
 def _trace(surface: ContactSurface, partners: PointPairs, side_index: int, sign: float) -> scipy.sparse.csr_matrix:

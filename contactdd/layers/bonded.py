@@ -2,29 +2,38 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import Floats
-from ..layer import Layer
+from ..base.checks import finite
+from ..layer import Layer, LinearLayer
 
 
 @dataclass(frozen=True)
 class BondedLayer(Layer):
     """A layer that sticks to both surfaces: σ_n = g(z) where it is compressed, z < 0, and where it is stretched, z > 0.
 
-    Its energy stays convex and its solution the minimum of F₁ (13): a bond of this kind does not break.
+    Its energy stays convex and its solution the minimum of F₁ (13): a bond of this kind does not break. With a shear
+    stiffness k_t it resists sliding too, τ = −k_t s, s the tangential displacement of the first surface relative to the
+    second. This adds ½ ∫ k_t s·s to F₁, and φ_t = k_t to the Robin term of each body, whatever the method. Such
+    surfaces should coincide before deformation: where they are apart by d, turning together would shear the bond by d
+    times the angle.
 
     Args:
         layer: The law in compression, p = −σ_n of c = −z.
         tension: The law in tension, σ_n of z, given as a layer too; by default that of compression. Both begin at the
             same distance of the surfaces, the clearance of `layer`.
+        shear_stiffness: k_t ≥ 0 (stress / length), a number or a function of the coordinates x (dim, n) of the
+            contact's points that gives (n,) positive ones; 0 lets the surfaces slide freely.
 
     Raises:
-        TypeError: One of them is no layer, or carries tension itself.
+        TypeError, ValueError: One of them is no layer, or carries tension itself; the shear stiffness is no number ≥ 0.
 
     Example:
         >>> from contactdd.layer import LinearLayer
@@ -35,6 +44,7 @@ class BondedLayer(Layer):
 
     layer: Layer
     tension: Layer | None = None
+    shear_stiffness: float | Callable[[Floats], Floats] = 0.0
 
     bonded: ClassVar[bool] = True
 
@@ -45,6 +55,44 @@ class BondedLayer(Layer):
             law = getattr(self, name)
             if not isinstance(law, Layer) or law.bonded:
                 raise TypeError(f"{name} = {law!r}: expected a layer without tension, such as cd.LinearLayer(k)")
+
+        if not callable(self.shear_stiffness) and finite("shear_stiffness", self.shear_stiffness) < 0.0:
+            raise ValueError(f"shear_stiffness = {self.shear_stiffness!r}: expected a number >= 0")
+
+    @classmethod
+    def adhesive(cls, E: float, nu: float, thickness: float) -> BondedLayer:
+        """The layer of a thin elastic adhesive: k = E (1 − ν) / [(1 + ν)(1 − 2ν) h] across it, k_t = E / [2 (1 + ν) h].
+
+        Its edges are free to bulge over about a thickness only: elsewhere the adherends hold it along the joint.
+
+        Source: O. Volkersen, Luftfahrtforschung 15 (1938); M. Goland, E. Reissner, J. Appl. Mech. 11 (1944).
+
+        Args:
+            E: Young's modulus (stress).
+            nu: Poisson's ratio, between −1 and 0.5.
+            thickness: h (length).
+
+        Returns:
+            The same linear law in compression and tension, with its shear stiffness.
+
+        Raises:
+            TypeError, ValueError: E or thickness is no positive number, or nu out of its range.
+
+        Example:
+            >>> glue = BondedLayer.adhesive(E=2500.0, nu=0.25, thickness=0.1)
+            >>> round(glue.layer.stiffness), round(glue.shear_stiffness)
+            (30000, 10000)
+        """
+        return cls(LinearLayer.elastic_foundation(E, nu, thickness), shear_stiffness=E / (2 * (1 + nu) * thickness))
+
+    @cached_property
+    def sliding(self) -> Layer | None:
+        """The law of sliding along any axis, None where nothing resists it."""
+        if callable(self.shear_stiffness):
+            from .varying import VaryingLayer
+
+            return BondedLayer(VaryingLayer(LinearLayer, stiffness=self.shear_stiffness))
+        return BondedLayer(LinearLayer(self.shear_stiffness)) if self.shear_stiffness else None
 
     @property
     def _stretched(self) -> Layer:
@@ -72,7 +120,8 @@ class BondedLayer(Layer):
 
     def _made_of(self, layer: Layer, tension: Layer) -> Layer:
         """The same of other laws; itself where they are the same."""
-        return self if layer is self.layer and tension is self.tension else BondedLayer(layer, tension)
+        same = layer is self.layer and tension is self.tension
+        return self if same else BondedLayer(layer, tension, self.shear_stiffness)
 
     def contact_stress(self, z: ArrayLike) -> Floats:
         z = np.asarray(z, dtype=float)
