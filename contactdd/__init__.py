@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from .layers.bonded import BondedLayer
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
+    from .layers.gasket import GasketLayer
     from .layers.hyperbolic import HyperbolicLayer
     from .layers.logarithmic import LogarithmicLayer
     from .layers.rough import GreenwoodWilliamsonLayer
@@ -85,6 +86,7 @@ _LATER = {
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
+    "GasketLayer": "layers.gasket",
     "GreenwoodWilliamsonLayer": "layers.rough",
     "HalfPlane": "partners.half_plane",
     "HalfSpace": "partners.half_space",
@@ -143,6 +145,7 @@ __all__ = [
     "Fields",
     "Fixed",
     "FlatPunch",
+    "GasketLayer",
     "GreenwoodWilliamsonLayer",
     "HalfPlane",
     "HalfSpace",

@@ -66,6 +66,8 @@ class ContactResult:
         slip: (n, dim) The tangential displacement of the first surface relative to the second where a bond resists it
             (length); else None.
         shear: (n, dim) The traction on the first body that this causes (stress); else None.
+        largest_closure: (n,) The largest closure that a gasket has seen so far, from its first touch (length); of other
+            layers None.
         nodal: The pressure as a linear field on one surface, or what finds it when it is first asked for; None where it
             is not known.
 
@@ -96,6 +98,7 @@ class ContactResult:
     bonded: bool = False
     slip: Floats | None = None
     shear: Floats | None = None
+    largest_closure: Floats | None = None
 
     @cached_property
     def corners(self) -> Floats | None:
@@ -247,7 +250,7 @@ class ContactResult:
         """The same result, its points in the order of `arc_length`; in space in that of x, y, z."""
         order = np.argsort(self.arc_length, kind="stable") if self.x.shape[1] == 2 else np.lexsort(self.x.T[::-1])
         names = ["x", "normal", "weights", "gap", "compression", "pressure", "initial_gap", "pointwise_pressure"]
-        names += ["slip", "shear"]
+        names += ["slip", "shear", "largest_closure"]
         parts = {name: getattr(self, name) for name in names}
         found = replace(self, **{name: part[order] for name, part in parts.items() if part is not None})
         if self.nodal is None:
@@ -305,6 +308,8 @@ class ContactResult:
         }
         if own.slip is not None and own.shear is not None:
             table |= vector_columns("slip", own.slip) | vector_columns("shear", own.shear)
+        if own.largest_closure is not None:
+            table["largest_closure"] = own.largest_closure
         return table
 
     def frame(self) -> Any:

@@ -44,6 +44,19 @@ class Layer(ABC):
     bonded: ClassVar[bool] = False
 
     @property
+    def remembers(self) -> bool:
+        """Whether the law depends on what was before: `after` gives another one."""
+        return False
+
+    def after(self, z: Floats) -> Layer:
+        """The law once the gaps (n,) at its points have been reached; itself, where it does not depend on that.
+
+        Args:
+            z: The gaps (length).
+        """
+        return self
+
+    @property
     def sliding(self) -> Layer | None:
         """The law of the tangential displacement along the contact, None where nothing resists it."""
         return None

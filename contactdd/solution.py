@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import basix.ufl
 import numpy as np
@@ -31,6 +31,7 @@ from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
 
 if TYPE_CHECKING:
+    from .layers.gasket import GasketAtPoints
     from .local.problem import Fields
     from .saved import SavedSolution
     from .scene import Scene
@@ -199,6 +200,31 @@ class Solution:
             return self._gaps[index], self._pressure(index)
         gaps = seen.gap - self._closed(seen)
         return gaps, _law_pressure(seen, gaps)
+
+    @property
+    def scene_after(self) -> Scene:
+        """The scene with its layers as this solution leaves them, to go on from; itself if none remembers.
+
+        Raises:
+            ValueError: A layer remembers and this solution did not converge.
+        """
+        scene = self.scene
+        for contact, interface, gaps in zip(self.scene.contacts, self.interfaces, self._gaps, strict=True):
+            if interface.layer.remembers:
+                if not self.converged:
+                    raise ValueError(f"status = {self.status!r}: expected a converged solution, whose closures count")
+                scene = scene.with_layer(interface.layer_after(gaps), contact.name)
+        return scene
+
+    @property
+    def dissipated_energy(self) -> float:
+        """The energy that layers which remember have taken in all loading so far and will not give back."""
+        total = 0.0
+        for interface, gaps in zip(self.interfaces, self._gaps, strict=True):
+            if interface.layer.remembers:
+                part = 0.5 if interface.mirrored else 1.0  # energies are those of one half
+                total += part * float(interface.weights @ _memory(interface, gaps).dissipation)
+        return total
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -635,6 +661,11 @@ def _law_pressure(interface: Interface, gaps: Floats) -> Floats:
     return 0.0 - interface.layer.contact_stress(gaps)
 
 
+def _memory(interface: Interface, gaps: Floats) -> GasketAtPoints:
+    """The layer of a contact that remembers, as these gaps leave it."""
+    return cast("GasketAtPoints", interface.layer_after(gaps))
+
+
 def _resampled(interface: Interface, degree: int) -> Interface:
     """The same contact at Gauss points of another degree."""
     first, second = interface.sides
@@ -680,6 +711,7 @@ def _contact_result(
         interface.hard,
         found,
         interface.layer.bonded,
+        largest_closure=_memory(interface, gaps).closures if interface.layer.remembers else None,
     )
 
 

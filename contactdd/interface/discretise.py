@@ -110,7 +110,7 @@ class Interface:
         if isinstance(layer, HardContact):
             return augmented_layer(layer, min(float(each.max()) for each in self._stiffnesses_of_hard))
         law = layer.at(self.x.T)
-        return _half(law) if _mirrored(self.contact) else law
+        return _half(law) if self.mirrored else law
 
     @property
     def measured(self) -> Floats:
@@ -162,6 +162,11 @@ class Interface:
         """The initial gap d at the points, (n,), less the layer's clearance."""
         return self.geometric_gap + self.prescribed_gap - self.layer.clearance
 
+    def layer_after(self, gap: Floats) -> Layer:
+        """The contact's layer at the points once these gaps (points,) have been reached."""
+        law = self.layer.after(gap)
+        return law.layer if self.mirrored else law  # type: ignore[attr-defined]
+
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
         return replace(self, contact=contact.frozen(), prescribed_gap=self.prescription.at(contact.gap))
@@ -179,6 +184,11 @@ class Interface:
     def rule(self) -> Quadrature:
         """The quadrature rule that tells where the points are."""
         return next(side.surface.rule for side in self.sides if isinstance(side.surface, ContactSurface))
+
+    @property
+    def mirrored(self) -> bool:
+        """Whether the contact is that of a body with its mirror image, of whose layer it has one half."""
+        return _mirrored(self.contact)
 
     @property
     def hard(self) -> bool:

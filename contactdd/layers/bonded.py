@@ -33,7 +33,8 @@ class BondedLayer(Layer):
             contact's points that gives (n,) positive ones; 0 lets the surfaces slide freely.
 
     Raises:
-        TypeError, ValueError: One of them is no layer, or carries tension itself; the shear stiffness is no number ≥ 0.
+        TypeError, ValueError: One of them is no layer, carries tension itself or remembers; the shear stiffness is no
+            number ≥ 0.
 
     Example:
         >>> from contactdd.layer import LinearLayer
@@ -53,8 +54,8 @@ class BondedLayer(Layer):
             object.__setattr__(self, "tension", self.layer)
         for name in ("layer", "tension"):
             law = getattr(self, name)
-            if not isinstance(law, Layer) or law.bonded:
-                raise TypeError(f"{name} = {law!r}: expected a layer without tension, such as cd.LinearLayer(k)")
+            if not isinstance(law, Layer) or law.bonded or law.remembers:
+                raise TypeError(f"{name} = {law!r}: expected a layer that only presses, such as cd.LinearLayer(k)")
 
         if not callable(self.shear_stiffness) and finite("shear_stiffness", self.shear_stiffness) < 0.0:
             raise ValueError(f"shear_stiffness = {self.shear_stiffness!r}: expected a number >= 0")

@@ -35,6 +35,18 @@ class HalvedLayer(Layer):
     def compression_limit(self) -> float | Floats:
         return 0.5 * self.layer.compression_limit
 
+    @property
+    def remembers(self) -> bool:
+        return self.layer.remembers
+
+    @property
+    def closures(self) -> Floats:
+        """What the whole layer remembers."""
+        return self.layer.closures  # type: ignore[attr-defined]
+
+    def after(self, z: Floats) -> Layer:
+        return HalvedLayer(self.layer.after(2 * z))
+
     def at(self, x: Floats) -> Layer:
         part = self.layer.at(x)
         return self if part is self.layer else HalvedLayer(part)

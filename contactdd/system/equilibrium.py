@@ -12,6 +12,7 @@ import scipy
 from ..base.arrays import Floats
 from ..errors import LooseBodyError
 from ..interface.discretise import Interface, discretise
+from ..layer import LinearLayer
 from .ensemble import Ensemble
 
 #: Largest resultant of loads in balance, relative to the loads: room for rounding and for no real load.
@@ -73,7 +74,8 @@ def _way_out(work: Floats, closes: Floats) -> Floats | None:
 def _rows_near_edges(ensemble: Ensemble, interface: Interface) -> Floats:
     """√weight times the normal approach of rigid motions at points very near the facets' edges, (points, motions)."""
     first, second = interface.sides
-    fine = discretise(interface.contact.resampled(NEAR_EDGES), (first.body, second.body), interface.facets)
+    contact = interface.contact.resampled(NEAR_EDGES).with_layer(LinearLayer(1.0))  # the law is not asked for
+    fine = discretise(contact, (first.body, second.body), interface.facets)
     owners = ensemble.rigid.owners
     parts = [np.zeros((len(fine.weights), owner.coefficients.shape[1])) for owner in owners]
     for side in fine.sides:
