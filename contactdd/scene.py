@@ -196,6 +196,31 @@ class Scene:
             finer[name] = body.on(body.mesh.refined(wanted))
         return self.with_bodies(finer)
 
+    def hints(self) -> list[str]:
+        """What would make the scene smaller, in words: planes of symmetry that it has and does not use.
+
+        Two bodies that are mirror images of each other, or a whole scene that is symmetric about a plane across an
+        axis. Nothing is said of scenes with bodies without a mesh, springs or materials that are not isotropic. A look
+        at all nodes: no solve does it by itself.
+
+        Returns:
+            One text for each plane; empty if there is none.
+
+        Example:
+            >>> import contactdd as cd
+            >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.3), cd.rectangle((0, 0), (2, 1), (2, 1))
+            >>> low = cd.Body("low", mesh, steel, loads=[cd.Pressure("bottom", 3.0)])
+            >>> high = cd.Body("high", mesh.moved((0, 1)), steel, loads=[cd.Pressure("top", 3.0)])
+            >>> scene = cd.Scene([low, high], [cd.Contact((low, "top"), (high, "bottom"), cd.LinearLayer(1e4))])
+            >>> for hint in scene.hints():
+            ...     print(hint.partition(":")[0])
+            bodies 'low' and 'high' are mirror images
+            the scene is symmetric about x = 1
+        """
+        from .hints import hints
+
+        return hints(self.bodies, [problem.dofs.load for problem in self.local_problems()], self.interfaces)
+
     def body_index(self, body: str | Body) -> int:
         """The index of a body in the scene.
 
