@@ -359,7 +359,7 @@ class Run:
                 return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
 
-        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
+        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent, elastic)
 
     def _bounded(self) -> bool:
         """Whether the displacements are finite and at most a hundred times the largest body."""
