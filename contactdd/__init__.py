@@ -53,8 +53,10 @@ if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
     from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
+    from .layers.bonded import BondedLayer
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
+    from .layers.gasket import GasketLayer
     from .layers.hyperbolic import HyperbolicLayer
     from .layers.logarithmic import LogarithmicLayer
     from .layers.rough import GreenwoodWilliamsonLayer
@@ -76,6 +78,7 @@ if TYPE_CHECKING:
 _LATER = {
     "Adaptation": "adaptation",
     "AxisymmetricHalfSpace": "partners.half_space",
+    "BondedLayer": "layers.bonded",
     "Cone": "shapes",
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
@@ -83,6 +86,7 @@ _LATER = {
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
+    "GasketLayer": "layers.gasket",
     "GreenwoodWilliamsonLayer": "layers.rough",
     "HalfPlane": "partners.half_plane",
     "HalfSpace": "partners.half_space",
@@ -120,6 +124,7 @@ __all__ = [
     "Body",
     "BodyForce",
     "BodyResult",
+    "BondedLayer",
     "CheckpointError",
     "Cone",
     "Contact",
@@ -140,6 +145,7 @@ __all__ = [
     "Fields",
     "Fixed",
     "FlatPunch",
+    "GasketLayer",
     "GreenwoodWilliamsonLayer",
     "HalfPlane",
     "HalfSpace",

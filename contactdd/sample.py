@@ -94,10 +94,10 @@ def surface_result(
         u,
         surface.facet_areas,
         np.clip(covered, 0.0, 1.0),
-        np.nan_to_num(mean((pressure > 0.0 if interface.hard else gap < 0.0).astype(float))),
+        np.nan_to_num(mean(interface.closed(gap, pressure).astype(float))),
         _facet_means(side, pressure),
         mean(gap),
-        mean(np.minimum(gap, 0.0)),
+        mean(interface.compressions(gap)),
         projected,
     )
 

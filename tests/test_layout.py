@@ -28,6 +28,7 @@ LEVELS = [
     ["interface"],
     ["sample", "small_strains"],
     ["local"],
+    ["hints"],
     ["scene", "scheme"],
     ["system"],
     ["iteration"],

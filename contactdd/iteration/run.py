@@ -234,8 +234,9 @@ class Run:
         return step, state, self._measured(state)
 
     def _contact_area(self, state: State) -> float:
-        """The area where z < 0."""
-        return sum(float(i.weights @ (z < 0)) for i, z in zip(self.ensemble.interfaces, state.gaps, strict=True))
+        """The area where z < 0, or where surfaces are bonded."""
+        contacts = zip(self.ensemble.interfaces, state.gaps, strict=True)
+        return sum(float(i.weights @ ((z < 0) | i.layer.bonded)) for i, z in contacts if i.slides is None)
 
     def _energy(self, state: State, forces: Forces) -> float:
         """F₁ at an iterate; NotANumberError, which names the layer, where it is no finite number."""
@@ -259,7 +260,10 @@ class Run:
         phi, state, reason = {}, self.state, ""
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
-            values = self.scheme.phi(interface.layer, z, before, interface.x.T)
+            if interface.slides is None:
+                values = self.scheme.phi(interface.layer, z, before, interface.x.T)
+            else:  # quadratic: the same in every scheme
+                values = interface.layer.contact_derivative(z)
             phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
             if not np.isfinite(phi[index].sum()):
                 at = int(np.argmin(np.isfinite(phi[index])))
