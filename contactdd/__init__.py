@@ -31,7 +31,7 @@ from .errors import (
 from .hard_contact import HardContact
 from .history import History, Record
 from .layer import Layer, LinearLayer, PowerLayer
-from .load import BodyForce, Pressure, Resultant, Traction
+from .load import BodyForce, BodyLoad, Pressure, Resultant, Traction
 from .local.choose import LOCAL_SOLVERS, register_local_solver
 from .local.dense import DenseSystem
 from .local.problem import ContactTrace, Fields, LocalProblem
@@ -52,6 +52,7 @@ from .surface_result import SurfaceResult
 if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
+    from .eigenstrain import Eigenstrain, ThermalStrain
     from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     from .layers.series import SeriesLayer
     from .layers.table import TableLayer
     from .layers.varying import VaryingLayer
+    from .linear_form import LinearForm
     from .partners.half_plane import HalfPlane
     from .partners.half_space import AxisymmetricHalfSpace, HalfSpace
     from .partners.mirror_plane import MirrorPlane
@@ -79,6 +81,7 @@ _LATER = {
     "Cone": "shapes",
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
+    "Eigenstrain": "eigenstrain",
     "ElasticStrip": "partners.periodic",
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
@@ -88,6 +91,7 @@ _LATER = {
     "HalfSpace": "partners.half_space",
     "HyperbolicLayer": "layers.hyperbolic",
     "LevelSet": "shapes",
+    "LinearForm": "linear_form",
     "LogarithmicLayer": "layers.logarithmic",
     "MirrorPlane": "partners.mirror_plane",
     "OverclosureLayer": "layers.exponential",
@@ -102,6 +106,7 @@ _LATER = {
     "Shape": "shapes",
     "Sphere": "shapes",
     "TableLayer": "layers.table",
+    "ThermalStrain": "eigenstrain",
     "VaryingLayer": "layers.varying",
     "adapt": "adaptation",
     "from_gmsh": "files",
@@ -119,6 +124,7 @@ __all__ = [
     "AxisymmetricHalfSpace",
     "Body",
     "BodyForce",
+    "BodyLoad",
     "BodyResult",
     "CheckpointError",
     "Cone",
@@ -132,6 +138,7 @@ __all__ = [
     "Cylinder",
     "DenseSystem",
     "Displacement",
+    "Eigenstrain",
     "ElasticStrip",
     "ErrorEstimate",
     "Estimated",
@@ -151,6 +158,7 @@ __all__ = [
     "Layer",
     "LayerRangeWarning",
     "LevelSet",
+    "LinearForm",
     "LinearLayer",
     "LoadPath",
     "LocalProblem",
@@ -190,6 +198,7 @@ __all__ = [
     "SurfaceResult",
     "Symmetry",
     "TableLayer",
+    "ThermalStrain",
     "Traction",
     "VaryingLayer",
     "adapt",

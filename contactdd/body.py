@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from .base import compat
 from .base.arrays import Floats
 from .base.checks import as_count, as_tuple_of
+from .coefficient_value import is_ufl
 from .elements import Elements
 from .kinematics import kinematics as find_kinematics
-from .load import Load
+from .load import BodyLoad, Load
 from .material import Material
 from .mesh import Mesh
 from .support import Spring, Support
@@ -141,7 +142,7 @@ class Body:
             ValueError: One of them is a UFL expression.
         """
         for item in (*self.supports, *self.loads):
-            if any(isinstance(value, ufl.core.expr.Expr) for value in _flat(vars(item).values())):
+            if any(is_ufl(value) for value in _flat(vars(item).values())):
                 raise ValueError(
                     f"body {self.name!r}: its {type(item).__name__} is a UFL expression, which belongs to its mesh; "
                     "expected a number or a function of the coordinates"
@@ -185,9 +186,20 @@ class Body:
     @cached_property
     def stiffness(self) -> Any:
         """The stiffness between the strains that take part, a UFL matrix."""
+        return self.material_coefficient(self.kinematics.reduce, self._material_element)
+
+    @property
+    def _material_element(self) -> Any:
+        """The element of the points at which a material that varies is integrated; None of one that does not."""
+        if not self.material.varies:
+            return None
         cell = compat.coordinate_map(self.mesh.domain).cell_type
-        element = basix.ufl.quadrature_element(cell, degree=self._material_degree) if self.material.varies else None
-        return self.material_coefficient(self.kinematics.reduce, element)
+        return basix.ufl.quadrature_element(cell, degree=self._material_degree)
+
+    @property
+    def _eigen_metadata(self) -> dict[str, Any] | None:
+        """The quadrature of eigenstrains; None leaves it to UFL."""
+        return {"quadrature_degree": self._material_degree} if self.material.varies else None
 
     def material_coefficient(self, reduce: Callable[[Floats], Floats], element: Any) -> Any:
         """The matrices `reduce(C)`, C the material's stiffness (..., 6, 6), as a UFL coefficient.
@@ -216,12 +228,47 @@ class Body:
         return 2 * self.degree + 1
 
     def stress(self, u: Any) -> Any:
-        """The stresses of the free Voigt components, a UFL vector: Hooke's law (2).
+        """The stresses of the free Voigt components, a UFL vector: Hooke's law (2), eigenstrains not taken away.
 
         Args:
             u: A displacement in UFL.
         """
         return self.stiffness * self.kinematics.strain(u)
+
+    def load_form(self, load: Load, v: Any) -> ufl.Form:
+        """The UFL form of a load's part of l(v).
+
+        Args:
+            load: The load.
+            v: A test function.
+        """
+        return load.form_on(self, v) if isinstance(load, BodyLoad) else load.form(self.elements, v)
+
+    @property
+    def has_eigenstrain(self) -> bool:
+        """Whether one of the loads is an eigenstrain, such as that of heat."""
+        return any(isinstance(load, BodyLoad) and load.is_strain for load in self.loads)
+
+    def eigenstrain(self) -> Any:
+        """The sum ε₀ of all eigenstrains, a UFL vector of six components in the order of Voigt."""
+        each = (load for load in self.loads if isinstance(load, BodyLoad) and load.is_strain)
+        return sum((load.eigenstrain(self.elements) for load in each), ufl.zero(6))
+
+    def eigenstrain_form(self, strain: Any, v: Any) -> ufl.Form:
+        """The UFL form ∫ (C : ε₀) : ε(v) dx, the load that an eigenstrain is.
+
+        Args:
+            strain: ε₀, a UFL vector of six components in the order of Voigt.
+            v: A test function.
+        """
+        matrix = self.material_coefficient(self.kinematics.eigenstress, self._material_element)
+        return self.elements.over_volume(ufl.inner(matrix * strain, self.kinematics.strain(v)), self._eigen_metadata)
+
+    def eigenstrain_energy_form(self) -> ufl.Form:
+        """The UFL form ½ ∫ ε₀ : C : ε₀ dx of all eigenstrains."""
+        strain = self.eigenstrain()
+        matrix = self.material_coefficient(self.kinematics.full_eigenstress, self._material_element)
+        return self.elements.over_volume(0.5 * ufl.inner(matrix * strain, strain), self._eigen_metadata)
 
     def elastic_form(self, u: Any, v: Any) -> ufl.Form:
         """The UFL form ∫ σ(u) : ε(v) dx, which with the springs is a(u, v).
@@ -317,5 +364,7 @@ class Body:
         for item in (*self.supports, *self.loads):
             if hasattr(item, "check"):
                 item.check(self.mesh.dim)
+            if isinstance(item, BodyLoad):
+                item.check_on(self)
             for surface in getattr(item, "surfaces", (item.surface,) if hasattr(item, "surface") else ()):
                 self.mesh.facets(surface)

@@ -13,7 +13,7 @@ PACKAGE = Path(__file__).parents[1] / "contactdd"
 #: Each level imports from those before it and from its own; a name is a file or a folder of the package.
 LEVELS = [
     ["base"],
-    ["errors", "parameter"],
+    ["errors", "parameter", "coefficient_value"],
     ["field", "kinematics", "layer", "quadrature", "mesh", "material"],
     ["layers", "hard_contact"],
     ["files", "shapes"],
@@ -22,6 +22,7 @@ LEVELS = [
     ["history"],
     ["elements"],
     ["support", "load"],
+    ["eigenstrain", "linear_form"],
     ["body", "meshless"],
     ["partners"],
     ["contact"],

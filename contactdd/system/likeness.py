@@ -16,6 +16,8 @@ from ..base.facets import surface_points
 from ..body import Body
 from ..hard_contact import HardContact
 from ..layer import Layer
+from ..load import BodyLoad
+from ..local.forms import one_load
 from ..meshless import MeshlessBody
 from ..parameter import current
 from ..scene import Scene
@@ -85,6 +87,9 @@ def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:
     yield "material", _measure(body.material.stiffness(x) if body.material.varies else body.material.stiffness())
     for number, item in enumerate((*body.supports, *body.loads)):
         kind = f"{type(item).__name__} {number}"
+        if isinstance(item, BodyLoad):
+            yield kind, _measure(one_load(body, item))
+            continue
         for name, value in vars(item).items():
             for part, told in enumerate(_of_value(body, item, value)):
                 yield f"{kind}, {name} {part}", told
