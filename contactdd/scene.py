@@ -93,6 +93,9 @@ class Scene:
             ValueError: There is no local solver of that name.
         """
         check_choice("local_solver", local_solver, ("auto", *LOCAL_SOLVERS))
+        for body in self.bodies:
+            if body.mesh is not None:
+                body.refuse_changed_material()
         if self._parameter_values() != self._read:
             self.refresh()
         if self._solvers is None:

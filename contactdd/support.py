@@ -11,6 +11,7 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from .base import compat
 from .base.arrays import Floats
 from .base.checks import as_floats, check_choice, check_vector, positive
 from .base.facets import surface_points
@@ -87,7 +88,8 @@ class Displacement:
     Args:
         surface: The name of the surface.
         values: One per coordinate (length), None where it is free: a number, a function of the coordinates x (3,
-            points) or a `Parameter`.
+            points), a `Parameter` or a UFL expression, such as a component of a dolfinx Function; or such a Function of
+            vectors on the body's mesh. It is taken at the nodes, as dolfinx interpolates.
 
     Raises:
         TypeError, ValueError: A value can be no displacement.
@@ -98,16 +100,20 @@ class Displacement:
     """
 
     surface: str
-    values: Sequence[Field | None]
+    values: Sequence[Field | None] | Any  # UFL's expressions have no types
 
     def __post_init__(self) -> None:
+        if isinstance(self.values, ufl.core.expr.Expr):
+            if self.values.ufl_shape not in ((2,), (3,)):
+                raise ValueError(f"values: a UFL expression of shape {self.values.ufl_shape}; expected (2,) or (3,)")
+            return
         if not isinstance(self.values, list | tuple | np.ndarray):
             raise TypeError(f"values = {self.values!r}: expected a list, one entry per coordinate (None where free)")
         for value in self.values:
             if value is not None:
-                if isinstance(value, ufl.core.expr.Expr):
-                    raise TypeError(f"displacement = {value!r}: expected a number or a function of the coordinates")
                 check_field("displacement", value)
+                if isinstance(value, ufl.core.expr.Expr) and value.ufl_shape != ():
+                    raise ValueError(f"displacement: expected a UFL expression of shape (), got {value.ufl_shape}")
 
     def check(self, dim: int) -> None:
         """Refuse another number of values than a body of that dimension has coordinates.
@@ -118,8 +124,15 @@ class Displacement:
         Raises:
             ValueError: It does not fit.
         """
-        if len(self.values) != dim:
+        if len(self._components) != dim:
             raise ValueError(f"values = {self.values!r}: expected {dim} entries (None where free)")
+
+    @property
+    def _components(self) -> Sequence[Any]:
+        """One value per coordinate."""
+        if isinstance(self.values, ufl.core.expr.Expr):
+            return [self.values[axis] for axis in range(self.values.ufl_shape[0])]
+        return self.values
 
     def conditions(self, on: Elements) -> Iterator[Condition]:
         """The prescribed components: nodes, a unit direction and the values of u·direction there.
@@ -127,12 +140,13 @@ class Displacement:
         Args:
             on: The elements of the body.
         """
-        if len(self.values) != on.dim:
-            raise ValueError(f"values = {self.values!r}: expected {on.dim} entries (None where free)")
+        self.check(on.dim)
         nodes = on.nodes(self.surface)
         x = on.coordinates(nodes)
-        for axis, value in zip(np.eye(on.dim), self.values, strict=True):
-            if value is not None:
+        for axis, value in zip(np.eye(on.dim), self._components, strict=True):
+            if isinstance(value, ufl.core.expr.Expr):
+                yield nodes, axis, evaluate("displacement", _at_nodes(value, axis, on)[nodes], x)
+            elif value is not None:
                 yield nodes, axis, evaluate("displacement", value, x)
 
 
@@ -162,6 +176,8 @@ class Spring:
 
     def __post_init__(self) -> None:
         refuse_parameter("stiffness", self.stiffness)
+        if isinstance(self.stiffness, ufl.core.expr.Expr):
+            raise TypeError("stiffness: a UFL expression; expected a number or a function of the coordinates")
         if not callable(self.stiffness):
             positive("stiffness", self.stiffness)
         if isinstance(self.direction, str):
@@ -223,6 +239,14 @@ class Spring:
 
 
 Support = Fixed | Symmetry | Displacement | Spring
+
+
+def _at_nodes(value: Any, axis: Floats, on: Elements) -> Floats:
+    """The values of a UFL expression at all nodes, (nodes,); axis: a unit vector along one of the coordinates."""
+    vector = ufl.as_vector([value if component else ufl.zero() for component in axis])
+    function = fem.Function(on.space)
+    function.interpolate(fem.Expression(vector, compat.expression_points(on.space.element)))
+    return np.asarray(function.x.array.reshape(-1, on.dim) @ axis)
 
 
 def _plane_normals(on: Elements, surfaces: Sequence[str]) -> Iterator[tuple[str, Floats]]:

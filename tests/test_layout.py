@@ -15,6 +15,7 @@ LEVELS = [
     ["base"],
     ["errors", "parameter", "coefficient_value"],
     ["field", "kinematics", "layer", "quadrature", "mesh", "material"],
+    ["piecewise_material"],
     ["layers", "hard_contact"],
     ["files", "shapes"],
     ["body_result", "contact_result", "surface_result"],

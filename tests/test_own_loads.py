@@ -112,7 +112,7 @@ def test_a_function_that_reads_a_parameter():
         (lambda: cd.LinearForm(3.0), "form = 3.0"),
         (lambda: cd.LinearForm(lambda body, v: 3.0), "returned 3.0"),
         (lambda: cd.LinearForm(lambda body, v: ufl.inner(v, ufl.TrialFunction(body.space)) * ufl.dx), "2 arguments"),
-        (lambda: cd.LinearForm(ufl.TestFunction(scalars()) * ufl.dx), r"shape \(\)"),
+        (lambda: cd.LinearForm(lambda body, v: ufl.TestFunction(scalars(body)) * ufl.dx), r"shape \(\)"),
         (lambda: cd.LinearForm(ufl.TestFunction(vectors())[1] * ufl.dx), "another mesh"),
         (lambda: cd.Pressure("top", fem.Constant(upper().domain, 1.0)), "another mesh"),
         (lambda: cd.Pressure("top", 1 / cd.Parameter(0.0)), "finite"),
@@ -124,8 +124,8 @@ def test_refusals(make, words):
         cd.solve(scene(make()))
 
 
-def scalars() -> fem.FunctionSpace:
-    return fem.functionspace(upper().domain, ("Lagrange", 1))
+def scalars(body: cd.Body) -> fem.FunctionSpace:
+    return fem.functionspace(body.mesh.domain, ("Lagrange", 1))
 
 
 def vectors() -> fem.FunctionSpace:

@@ -83,8 +83,8 @@ def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:
     yield "coordinates", _measure(domain.geometry.x)
     for name, facets in body.mesh.surfaces.items():
         yield f"surface {name!r}", _measure(facets)
-    x = domain.geometry.x.T[:, :1] if not body.material.varies else domain.geometry.x.T
-    yield "material", _measure(body.material.stiffness(x) if body.material.varies else body.material.stiffness())
+    varies, cells = body.material.varies, np.arange(body.mesh.cells, dtype=np.int32)
+    yield "material", _measure(body.stiffness_at(body.mesh.middles.T, cells) if varies else body.material.stiffness())
     for number, item in enumerate((*body.supports, *body.loads)):
         kind = f"{type(item).__name__} {number}"
         if isinstance(item, BodyLoad):
