@@ -16,6 +16,7 @@ from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
 from .contact_result import ContactResult
+from .contact_sides import ContactSides
 from .error_estimate import ContactErrorEstimate, ErrorEstimate, Estimated, error_estimate
 from .errors import (
     CheckpointError,
@@ -42,6 +43,7 @@ from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import LoadPath, StepFailedError, programme
+from .relaxation import Correction
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import Solution
@@ -132,8 +134,10 @@ __all__ = [
     "ContactError",
     "ContactErrorEstimate",
     "ContactResult",
+    "ContactSides",
     "ContactTrace",
     "ContactWarning",
+    "Correction",
     "CustomLayer",
     "Cylinder",
     "DenseSystem",

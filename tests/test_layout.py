@@ -30,6 +30,7 @@ LEVELS = [
     ["interface"],
     ["sample", "small_strains"],
     ["local"],
+    ["contact_sides", "relaxation"],
     ["scene", "scheme"],
     ["system"],
     ["iteration"],
