@@ -48,12 +48,13 @@ from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import Solution
 from .solve import solve
-from .support import Displacement, Fixed, Spring, Symmetry
+from .support import Displacement, Fixed, PointDisplacement, Spring, Symmetry
 from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
+    from .decks import read_scene
     from .eigenstrain import Eigenstrain, ThermalStrain
     from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
     from .layers.custom import CustomLayer
@@ -71,6 +72,7 @@ if TYPE_CHECKING:
     from .partners.periodic import ElasticStrip, PeriodicHalfPlane
     from .partners.periodic_half_space import PeriodicHalfSpace
     from .partners.rigid_body import RigidBody
+    from .point_force import PointForce
     from .saved import SavedSolution, load_solution
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
@@ -100,6 +102,7 @@ _LATER = {
     "PeriodicHalfPlane": "partners.periodic",
     "PeriodicHalfSpace": "partners.periodic_half_space",
     "Plane": "shapes",
+    "PointForce": "point_force",
     "Profile": "shapes",
     "RigidBody": "partners.rigid_body",
     "Round": "adaptation",
@@ -116,6 +119,7 @@ _LATER = {
     "read_bodies": "files",
     "read_gmsh": "files",
     "read_mesh": "files",
+    "read_scene": "decks",
 }
 
 __all__ = [
@@ -182,6 +186,8 @@ __all__ = [
     "PeriodicHalfPlane",
     "PeriodicHalfSpace",
     "Plane",
+    "PointDisplacement",
+    "PointForce",
     "PowerLayer",
     "Pressure",
     "Profile",
@@ -217,6 +223,7 @@ __all__ = [
     "read_bodies",
     "read_gmsh",
     "read_mesh",
+    "read_scene",
     "rectangle",
     "reference",
     "register_local_solver",

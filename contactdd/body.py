@@ -23,7 +23,7 @@ from .kinematics import kinematics as find_kinematics
 from .load import BodyLoad, Load
 from .material import Material
 from .mesh import Mesh
-from .support import Spring, Support
+from .support import PointDisplacement, Spring, Support
 
 #: Degrees of elements from which on their stiffness' rounding is felt: at 14 a residual of 3e-12 is left on triangles,
 #: at 20 4e-10, at 30 4e-6.
@@ -147,6 +147,11 @@ class Body:
         Raises:
             ValueError: One of them is a UFL expression.
         """
+        if any(isinstance(support, PointDisplacement) for support in self.supports):
+            raise ValueError(
+                f"body {self.name!r}: its PointDisplacement holds nodes of its mesh, and not those between them; "
+                "expected a Displacement of a surface"
+            )
         given = [(type(item).__name__, vars(item).values()) for item in (*self.supports, *self.loads)]
         for kind, values in [*given, ("material", self.material.given())]:
             if any(is_ufl(value) for value in _flat(values)):
@@ -273,15 +278,6 @@ class Body:
             u: A displacement in UFL.
         """
         return self.stiffness * self.kinematics.strain(u)
-
-    def load_form(self, load: Load, v: Any) -> ufl.Form:
-        """The UFL form of a load's part of l(v).
-
-        Args:
-            load: The load.
-            v: A test function.
-        """
-        return load.form_on(self, v) if isinstance(load, BodyLoad) else load.form(self.elements, v)
 
     @property
     def has_eigenstrain(self) -> bool:

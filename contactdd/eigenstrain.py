@@ -14,12 +14,12 @@ import ufl
 from .base.checks import as_floats
 from .elements import Elements
 from .field import Field, check_field, coefficient
-from .load import BodyLoad, LoadedBody
+from .load import FormLoad, LoadedBody
 from .material import VOIGT
 from .parameter import current, refuse_parameter
 
 
-class _Strain(BodyLoad):
+class _Strain(FormLoad):
     """What all eigenstrains have in common."""
 
     is_strain = True

@@ -9,12 +9,12 @@ from typing import Any
 import ufl
 
 from .field import refuse_other_mesh
-from .load import BodyLoad, LoadedBody
+from .load import FormLoad, LoadedBody
 from .parameter import Followed
 
 
 @dataclass(frozen=True, eq=False)
-class LinearForm(BodyLoad):
+class LinearForm(FormLoad):
     """A load of your own, the part l(v) of the virtual work that it does.
 
     A UFL form may have its test function from any space of vectors on the body's mesh: the body's own takes its place.

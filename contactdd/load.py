@@ -14,6 +14,8 @@ import numpy as np
 import ufl
 from dolfinx import fem
 
+from .base import compat
+from .base.arrays import Floats
 from .elements import Elements
 from .field import Field, check_dimension, check_field, coefficient
 from .parameter import current
@@ -214,7 +216,7 @@ class LoadedBody(Protocol):
 
 
 class BodyLoad(ABC):
-    """A load whose form takes the body with its material: eigenstrains and the user's own forms.
+    """A load that takes the body with its material: eigenstrains, forces at points and the user's own forms.
 
     Attributes:
         is_strain: Whether it is an eigenstrain, which `eigenstrain` gives.
@@ -223,12 +225,11 @@ class BodyLoad(ABC):
     is_strain: ClassVar[bool] = False
 
     @abstractmethod
-    def form_on(self, body: LoadedBody, v: Any) -> Any:
-        """The UFL form of the load's part of l(v).
+    def vector(self, body: LoadedBody) -> Floats:
+        """The load's part of l(v) for all degrees of freedom, (dofs,) (force).
 
         Args:
             body: The body.
-            v: A test function of its elements.
         """
 
     def check_on(self, body: LoadedBody) -> None:  # noqa: B027  # most fit any body
@@ -253,6 +254,28 @@ class BodyLoad(ABC):
             body: The body.
         """
         return vars(self).values()
+
+
+class FormLoad(BodyLoad):
+    """A load that a form of the body gives."""
+
+    @abstractmethod
+    def form_on(self, body: LoadedBody, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            body: The body.
+            v: A test function of its elements.
+        """
+
+    def vector(self, body: LoadedBody) -> Floats:
+        """The load's part of l(v) for all degrees of freedom, (dofs,) (force).
+
+        Args:
+            body: The body.
+        """
+        form = compat.form(self.form_on(body, ufl.TestFunction(body.space)))
+        return np.asarray(fem.assemble_vector(form).array)
 
 
 Load = Pressure | Traction | BodyForce | Resultant | BodyLoad

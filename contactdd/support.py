@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .base import compat
 from .base.arrays import Floats
-from .base.checks import as_floats, check_choice, check_vector, positive
+from .base.checks import as_floats, check_choice, check_vector, finite, positive
 from .base.facets import surface_points
 from .elements import Elements
 from .field import Field, check_field, coefficient, evaluate
@@ -150,6 +150,62 @@ class Displacement:
                 yield nodes, axis, evaluate("displacement", value, x)
 
 
+@dataclass(frozen=True, eq=False)
+class PointDisplacement:
+    """Prescribed displacements of single nodes of the mesh.
+
+    Where the corners of an edge, a face or a cell are all held, the nodes that elements have in between are, too; but
+    the middle of the edge of a cell of second order is held only if it is among the points. A single node that is held
+    in a direction in which forces act has an infinite displacement in theory; hold surfaces there.
+
+    Args:
+        points: (n, dim) The places of nodes (length).
+        values: One number per coordinate (length), None where they are free.
+
+    Raises:
+        TypeError, ValueError: The points are none, or a value is no finite number.
+
+    Example:
+        >>> PointDisplacement([[0.0, 0.0]], (0.0, None)).values  # keeps a body that slides along y from moving along x
+        (0.0, None)
+    """
+
+    points: Floats | Sequence[Sequence[float]]
+    values: Sequence[float | None]
+
+    def __post_init__(self) -> None:
+        array = as_floats("points", self.points, "coordinates of points (n, dim)")
+        if array.ndim != 2 or len(array) == 0 or not np.all(np.isfinite(array)):
+            raise ValueError(f"points = {self.points!r}: expected the finite coordinates of points, (n, dim)")
+        object.__setattr__(self, "points", array)
+        for value in self.values:
+            if value is not None:
+                finite("displacement", value)
+
+    def check(self, dim: int) -> None:
+        """Refuse another number of coordinates than a body of that dimension has.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        if len(self.values) != dim or np.shape(self.points)[1] != dim:
+            raise ValueError(f"values = {self.values!r}: expected {dim} entries, and points of {dim} coordinates")
+
+    def conditions(self, on: Elements) -> Iterator[Condition]:
+        """The prescribed components: nodes, a unit direction and the values of u·direction there.
+
+        Args:
+            on: The elements of the body.
+        """
+        nodes = on.nodes_between(on.nodes_at(np.asarray(self.points)))
+        for axis, value in zip(np.eye(on.dim), self.values, strict=True):
+            if value is not None:
+                yield nodes, axis, np.full(len(nodes), float(value))
+
+
 @dataclass(frozen=True)
 class Spring:
     """An elastic foundation on a named surface, which resists a displacement u by the traction −k u.
@@ -238,7 +294,7 @@ class Spring:
         return fem.Constant(on.domain, direction / np.linalg.norm(direction))
 
 
-Support = Fixed | Symmetry | Displacement | Spring
+Support = Fixed | Symmetry | Displacement | PointDisplacement | Spring
 
 
 def _at_nodes(value: Any, axis: Floats, on: Elements) -> Floats:

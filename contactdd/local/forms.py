@@ -21,7 +21,7 @@ from ..base.arrays import Floats
 from ..base.checks import finite
 from ..body import Body
 from ..kinematics import KINEMATICS
-from ..load import Load, Pressure
+from ..load import BodyLoad, Load, Pressure
 from ..parameter import current
 
 
@@ -71,7 +71,10 @@ def one_load(body: Body, load: Load) -> Floats:
 
 def _own_load(body: Body, load: Load) -> Floats:
     """The vector of a load by a form of its own."""
-    vector = fem.assemble_vector(compat.form(body.load_form(load, ufl.TestFunction(body.space)))).array
+    if isinstance(load, BodyLoad):
+        vector = load.vector(body)
+    else:
+        vector = fem.assemble_vector(compat.form(load.form(body.elements, ufl.TestFunction(body.space)))).array
     if not np.isfinite(vector.sum()):
         raise ValueError(f"body {body.name!r}: its {type(load).__name__} gives forces that are no finite numbers")
     return vector
