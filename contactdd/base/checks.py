@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from numbers import Real
 from typing import Any
 
@@ -97,3 +98,14 @@ def as_tuple_of(name: str, values: Any, kind: Any) -> tuple:
 def listed(names: Iterable[str]) -> str:
     """Names for a message, in order."""
     return ", ".join(repr(name) for name in sorted(names)) or "none"
+
+
+def positional(function: Callable[..., Any]) -> int | None:
+    """The number of positional arguments that a function takes; None where it does not tell."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return None
+    if any(each.kind is each.VAR_POSITIONAL for each in parameters):
+        return None
+    return sum(each.kind in (each.POSITIONAL_ONLY, each.POSITIONAL_OR_KEYWORD) for each in parameters)
