@@ -35,6 +35,7 @@ nb_execution_in_temp = True
 nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_merge_streams = True
+nb_ipywidgets_js = {}  # they would come from elsewhere
 
 # Reference
 autodoc_member_order = "bysource"

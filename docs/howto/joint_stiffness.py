@@ -2,7 +2,7 @@
 # # The stiffness of a machined joint
 #
 # Two ground steel blocks are bolted together. Their surfaces touch at the tips of their roughness, so the joint is
-# softer than the blocks, and gets stiffer with the load: its approach is $\lambda = c\,p^m$ with $m \approx ½$ (Back,
+# softer than the blocks, and gets stiffer with the load: its approach is $\lambda = c\,p^m$ with $m \approx 1/2$ (Back,
 # Burdekin and Cowley). What is the stiffness of the whole, $dF/d\delta$, over the preload?
 #
 # `solution.normal_stiffness` takes it from the tangent of the solved problem, exactly: no difference of two solutions.
