@@ -11,6 +11,8 @@ from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, ParamSpec, cast
 
+import numpy as np
+
 from .base.checks import as_bool, as_count, check_choice, finite, positive
 from .doubts import warn_of_doubts
 from .errors import CheckpointError, NoEquilibriumError, NotConvergedError
