@@ -17,10 +17,12 @@ from .base.arrays import Floats
 from .base.checks import as_tuple_of, check_choice, listed
 from .base.ranks import Ranks
 from .body import Body
+from .coefficient_value import CoefficientValue, coefficient_values
 from .contact import Contact
 from .hard_contact import HardContact
 from .interface.discretise import Interface, discretise
 from .layer import Layer
+from .load import BodyLoad
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
 from .local.problem import LocalProblem
 from .local.space import admissible_space
@@ -104,6 +106,9 @@ class Scene:
             ValueError: There is no local solver of that name.
         """
         check_choice("local_solver", local_solver, ("auto", *LOCAL_SOLVERS))
+        for body in self.bodies:
+            if body.mesh is not None:
+                body.refuse_changed_material()
         if self._parameter_values() != self._read:
             self.refresh()
         if self._solvers is None:
@@ -122,9 +127,9 @@ class Scene:
     def refresh(self) -> None:
         """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.
 
-        A solve does it by itself when a `Parameter` of the scene has another value than before. Only a function that
-        changed in another way has to be told of. If a value cannot be read the scene stays as it was, and the next
-        solve reads again.
+        A solve does it by itself when a `Parameter` of the scene, or a Constant or Function of dolfinx in a UFL
+        expression, has another value than before. Only a function that changed in another way has to be told of. If a
+        value cannot be read the scene stays as it was, and the next solve reads again.
         """
         read, interfaces, solvers = self._parameter_values(), self._interfaces, self._solvers
         if interfaces is not None:
@@ -251,7 +256,10 @@ class Scene:
         raise ValueError(f"contact = {contact!r}: expected an index or one of {known}")
 
     def parameter_values(self) -> list[float | Floats]:
-        """The present values of all parameters that loads, prescribed displacements and gaps follow."""
+        """The present values of all parameters that loads, prescribed displacements and gaps follow.
+
+        So do those of dolfinx' Constants and Functions in UFL expressions.
+        """
         return [parameter.value for parameter in self._parameters]
 
     @contextmanager
@@ -280,14 +288,24 @@ class Scene:
         return any(parameter is other for other in self._parameters)
 
     @cached_property
-    def _parameters(self) -> list[Parameter]:
-        """The parameters that any load, prescribed displacement or gap follows."""
-        items: list[Any] = list(self.contacts)
+    def _parameters(self) -> list[Parameter | CoefficientValue]:
+        """The parameters that any load, prescribed displacement or gap follows, and dolfinx' coefficients in them."""
+        found: list[Parameter | CoefficientValue] = []
+        for values in self._given():
+            found += parameters(values)
+            found += coefficient_values(values)
+        return found
+
+    def _given(self) -> Iterator[list[Any]]:
+        """The values of what is read anew for another solve: gaps, loads, supports, bodies without a mesh."""
+        yield from (list(vars(contact).values()) for contact in self.contacts)
         for body in self.bodies:
-            items += (body,) if body.mesh is None else (*body.loads, *body.supports)
-        return [parameter for item in items for parameter in parameters(vars(item).values())]
+            items: Sequence[Any] = (body,) if body.mesh is None else (*body.loads, *body.supports)
+            for item in items:
+                yield list(item.followed(body) if isinstance(item, BodyLoad) else vars(item).values())
 
     def _parameter_values(self) -> list[bytes]:
+        """The present values, to be compared with later ones."""
         return [np.asarray(parameter.value).tobytes() for parameter in self._parameters]
 
     def _check(self) -> None:

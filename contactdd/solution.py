@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import cached_property, partial
 from html import escape
@@ -291,6 +292,8 @@ class Solution:
     def elastic_energy(self, body: str | Body | None = None) -> float:
         """The elastic energy ½ a(u, u) of a body or of all, that of springs included (force · length).
 
+        Where there are eigenstrains, such as those of heat, it is that of the strains less these.
+
         Args:
             body: Its name or the `Body`; by default all.
         """
@@ -305,7 +308,7 @@ class Solution:
 
     @cached_property
     def energy(self) -> float:
-        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
+        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); L holds eigenstrains, too."""
         return self._ensemble.energy(self._state) - self._penalty_energy
 
     @property
@@ -345,10 +348,12 @@ class Solution:
         element = inner_element(owner.mesh.domain, degree)
         space = fem.functionspace(owner.mesh.domain, basix.ufl.blocked_element(element, shape=(6,)))
         matrix = owner.material_coefficient(owner.kinematics.full_stress, element)
-        strain = owner.kinematics.strain(self.displacement(owner))
-        expression = fem.Expression(matrix * strain, compat.expression_points(space.element))
+        stress = matrix * owner.kinematics.strain(self.displacement(owner))
         function = fem.Function(space, name="stress")
-        function.interpolate(expression)
+        with self.scene.at(self.parameter_values) if owner.has_eigenstrain else nullcontext():
+            if owner.has_eigenstrain:
+                stress -= owner.material_coefficient(owner.kinematics.full_eigenstress, element) * owner.eigenstrain()
+            function.interpolate(fem.Expression(stress, compat.expression_points(space.element)))
         return function
 
     def forces(self, body: str | Body) -> dict[str, Floats]:

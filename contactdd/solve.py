@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from functools import wraps
 from pathlib import Path
@@ -26,6 +25,7 @@ from .iteration.progress import Progress
 from .iteration.run import Run
 from .iteration.step import find_step
 from .iteration.stopping import StoppingCriterion, Termination
+from .relaxation import Gamma, Relaxation, relaxations
 from .scene import Scene
 from .scheme import Scheme, find_scheme
 from .solution import Solution
@@ -36,7 +36,6 @@ from .system.likeness import refuse_differences
 if TYPE_CHECKING:
     from .layers.gasket import GasketLayer
 
-Gamma = float | Iterable[float] | Callable[[int], float] | str
 P = ParamSpec("P")
 
 
@@ -89,9 +88,9 @@ def solve(
             "anderson" (the chord method, accelerated), the coupled "newton" (17), "newton-chord" (26) and
             "newton-kurchatov" (27), "newton-krylov" (17) (its linear systems by conjugate gradients, preconditioned by
             solves of the single bodies), or a `Scheme`.
-        gamma: The relaxation γ > 0: a number, a sequence (the run ends with it), a function of the iteration from 0, or
-            "search" for the minimum of the energy F₁; by default 0.6 for the decomposed methods and "search" for the
-            others.
+        gamma: The relaxation γ > 0: a number, a sequence (the run ends with it), a function of the iteration k
+            from 0, or of k and the `Correction` with the history, such as Aitken's; or "search" for the minimum of the
+            energy F₁; by default 0.6 for the decomposed methods and "search" for the others.
         tolerance: The bound of the stopping criterion (no unit).
         criterion: "residual": ‖F₁'(u)‖ relative to the forces at work; or "change", the paper's rule,
             ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
@@ -232,21 +231,11 @@ def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> Stoppi
     return StoppingCriterion(positive("tolerance", tolerance), criterion, most, 250 if scheme.decomposed else 40)
 
 
-def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
+def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[Relaxation]:
     """The relaxations γ^0, γ^1, …; None where γ is found by a line search."""
     if gamma is None:
         gamma = BEST_GAMMA if scheme.decomposed else "search"
-    if isinstance(gamma, str):
-        check_choice("gamma", gamma, ("search",))
-        return itertools.repeat(None)
-    if callable(gamma):
-        return (positive("gamma", gamma(k)) for k in itertools.count())
-    if isinstance(gamma, Iterable) and np.asarray(gamma).ndim > 0:
-        values = [positive("gamma", value) for value in gamma]
-        if not values:
-            raise ValueError(f"gamma = {gamma!r}: expected at least one number")
-        return iter(values)
-    return itertools.repeat(positive("gamma", gamma))
+    return relaxations(gamma)
 
 
 def _file(checkpoint: str | Path | None, resume: bool) -> Path | None:

@@ -124,7 +124,7 @@ class ContactSurface:
         """Young's modulus of the body at each facet, the least of its directions, (facets,)."""
         x = np.zeros((3, len(self.facets)))
         x[: self.body.mesh.dim] = self.middles.x.T
-        compliance = np.linalg.inv(self.body.material.stiffness(x))
+        compliance = np.linalg.inv(self.body.stiffness_at(x, self.entities[:, 0]))
         return np.broadcast_to(1.0 / compliance[..., range(3), range(3)].max(axis=-1), len(self.facets))
 
     @cached_property

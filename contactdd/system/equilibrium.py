@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from ..base.arrays import Floats
+from ..base.arrays import TINY, Floats
 from ..errors import LooseBodyError
 from ..interface.discretise import Interface, discretise
 from ..layer import LinearLayer
@@ -59,7 +59,7 @@ def _resisted(interface: Interface, rows: Floats) -> Floats:
 
 def _way_out(work: Floats, closes: Floats) -> Floats | None:
     """A motion on which the loads do work (motions,) and that closes no gap (points, motions), or None."""
-    work, closes = work / np.abs(work).max(), closes / np.abs(closes).max(initial=np.finfo(float).tiny)
+    work, closes = work / np.abs(work).max(), closes / np.abs(closes).max(initial=TINY)
     # Mostly some pressures balance the loads, which is cheaper to see.
     if scipy.optimize.nnls(closes.T, work)[1] < 1e-10:
         return None
