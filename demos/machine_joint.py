@@ -105,7 +105,7 @@ for name, (c, m) in FINISHES.items():
 # ones.
 #
 # One more solve shows the pressure under the bolt for the ground surfaces, 60 mm below
-# its head. It is a third larger in the middle than the mean, and nowhere zero: the
+# its head. It is a quarter larger in the middle than the mean, and nowhere zero: the
 # joint is closed up to its edges.
 
 # %%
