@@ -57,8 +57,10 @@ if TYPE_CHECKING:
     from .decks import read_scene
     from .eigenstrain import Eigenstrain, ThermalStrain
     from .files import from_gmsh, read_bodies, read_geometry, read_gmsh, read_mesh
+    from .layers.bonded import BondedLayer
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
+    from .layers.gasket import GasketLayer
     from .layers.hyperbolic import HyperbolicLayer
     from .layers.logarithmic import LogarithmicLayer
     from .layers.rough import GreenwoodWilliamsonLayer
@@ -82,6 +84,7 @@ if TYPE_CHECKING:
 _LATER = {
     "Adaptation": "adaptation",
     "AxisymmetricHalfSpace": "partners.half_space",
+    "BondedLayer": "layers.bonded",
     "Cone": "shapes",
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
@@ -90,6 +93,7 @@ _LATER = {
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
+    "GasketLayer": "layers.gasket",
     "GreenwoodWilliamsonLayer": "layers.rough",
     "HalfPlane": "partners.half_plane",
     "HalfSpace": "partners.half_space",
@@ -133,6 +137,7 @@ __all__ = [
     "BodyForce",
     "BodyLoad",
     "BodyResult",
+    "BondedLayer",
     "CheckpointError",
     "Cone",
     "Contact",
@@ -156,6 +161,7 @@ __all__ = [
     "Fields",
     "Fixed",
     "FlatPunch",
+    "GasketLayer",
     "GreenwoodWilliamsonLayer",
     "HalfPlane",
     "HalfSpace",

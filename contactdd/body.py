@@ -350,6 +350,20 @@ class Body:
         n = ufl.FacetNormal(self.mesh.domain)
         return self.elements.over_surface(phi * ufl.dot(u, n) * ufl.dot(v, n), surface, metadata)
 
+    def sliding_form(self, u: Any, v: Any, phi: Any, surface: str, metadata: dict[str, Any]) -> ufl.Form:
+        """The UFL form ∫ φ u_t·v_t ds over a contact surface, divided by the number of tangents.
+
+        Args:
+            u: A displacement.
+            v: A test function.
+            phi: The Robin coefficient φ (stress / length).
+            surface: The name of the surface.
+            metadata: The quadrature of the measure.
+        """
+        n = ufl.FacetNormal(self.mesh.domain)
+        sliding = ufl.dot(u, v) - ufl.dot(u, n) * ufl.dot(v, n)
+        return self.elements.over_surface(phi * sliding / (self.mesh.dim - 1), surface, metadata)
+
     def _check_radii(self) -> None:
         """Refuse a mesh of rings that crosses the axis."""
         if self.kinematics.axisymmetric:

@@ -260,11 +260,16 @@ class Mesh:
         """
         if not (self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)):
             return None
-        ours, theirs = (compat.geometry_dofmap(mesh.domain) for mesh in (self, other))
-        if ours.shape != theirs.shape or self.domain.topology.cell_name() != other.domain.topology.cell_name():
+        if not self._same_cells(other):
             return None
-        isometry = isometry_between(other.domain.geometry.x[:, : self.dim], self.domain.geometry.x[:, : self.dim])
-        return isometry if isometry is not None and np.array_equal(ours, theirs) else None
+        return isometry_between(other.domain.geometry.x[:, : self.dim], self.domain.geometry.x[:, : self.dim])
+
+    def _same_cells(self, other: Mesh) -> bool:
+        """Whether both have the same cells, numbered alike, between nodes that may lie elsewhere."""
+        if self.domain.topology._cpp_object is other.domain.topology._cpp_object:  # as `moved` and `mirrored` share it
+            return True
+        ours, theirs = (compat.geometry_dofmap(mesh.domain) for mesh in (self, other))
+        return self.domain.topology.cell_name() == other.domain.topology.cell_name() and np.array_equal(ours, theirs)
 
     def moved(self, offset: Sequence[float]) -> Mesh:
         """A copy of the mesh elsewhere, with the same cells, facets and named surfaces.
@@ -305,7 +310,7 @@ class Mesh:
             raise ValueError(f"{asked}: so far away a mesh of the size {self.size:g} loses the digits of its shape")
         domain = compat.with_coordinates(self.domain, image)
         copy = Mesh._sound(domain, self.surfaces, self._entities, self.left_out, self.subdomains)
-        vars(copy).update(self._pieces_known())
+        vars(copy).update(self._pieces_known(), extent=self.extent)
         return copy
 
     @classmethod

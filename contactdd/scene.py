@@ -65,6 +65,7 @@ class Scene:
         # On a single rank the weights for load balancing are not needed.
         self.ranks = Ranks(comm, [0.0 if comm.size == 1 or body.mesh is None else body.dofs for body in self.bodies])
         self._interfaces: list[Interface] | None = None
+        self._sliding: list[Interface] | None = None
         self._solvers: LocalSolvers | None = None
         self._read = self._parameter_values()
 
@@ -81,6 +82,18 @@ class Scene:
                 discretise(c, (index[id(c.sides[0][0])], index[id(c.sides[1][0])])) for c in self.contacts
             ]
         return self._interfaces
+
+    @property
+    def sliding(self) -> list[Interface]:
+        """The interfaces of what resists sliding in the contacts, in their order; mostly none."""
+        if self._sliding is None:
+            self._sliding = []
+            for index, contact in enumerate(self.contacts):
+                if contact.sliding is not None:
+                    from .interface.sliding import sliding_interfaces
+
+                    self._sliding += sliding_interfaces(self.interfaces[index], index)
+        return self._sliding
 
     def local_problems(self, local_solver: str = "auto") -> list[LocalProblem]:
         """Every body's local problem, in order.
@@ -99,7 +112,7 @@ class Scene:
         if self._parameter_values() != self._read:
             self.refresh()
         if self._solvers is None:
-            self._solvers = LocalSolvers(self.bodies, self.interfaces, self.ranks)
+            self._solvers = LocalSolvers(self.bodies, [*self.interfaces, *self.sliding], self.ranks)
         return self._solvers.problems(local_solver)
 
     def subproblems(self, local_solver: str = "auto") -> list[LocalProblem]:
@@ -145,7 +158,9 @@ class Scene:
         other._interfaces = [
             interface.with_layer(c.layer) for interface, c in zip(self.interfaces, other.contacts, strict=True)
         ]
-        other._solvers = None if self._solvers is None else self._solvers.shared()
+        other._sliding = None
+        alike = [one.slides for one in self.sliding] == [one.slides for one in other.sliding]
+        other._solvers = self._solvers.shared() if alike and self._solvers is not None else None
         return other
 
     def with_bodies(self, bodies: Mapping[str, Body]) -> Scene:
@@ -185,6 +200,31 @@ class Scene:
                 raise ValueError(f"body = {name!r}: it has no mesh; expected a body with one")
             finer[name] = body.on(body.mesh.refined(wanted))
         return self.with_bodies(finer)
+
+    def hints(self) -> list[str]:
+        """What would make the scene smaller, in words: planes of symmetry that it has and does not use.
+
+        Two bodies that are mirror images of each other, or a whole scene that is symmetric about a plane across an
+        axis. Nothing is said of scenes with bodies without a mesh, springs or materials that are not isotropic. A look
+        at all nodes: no solve does it by itself.
+
+        Returns:
+            One text for each plane; empty if there is none.
+
+        Example:
+            >>> import contactdd as cd
+            >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.3), cd.rectangle((0, 0), (2, 1), (2, 1))
+            >>> low = cd.Body("low", mesh, steel, loads=[cd.Pressure("bottom", 3.0)])
+            >>> high = cd.Body("high", mesh.moved((0, 1)), steel, loads=[cd.Pressure("top", 3.0)])
+            >>> scene = cd.Scene([low, high], [cd.Contact((low, "top"), (high, "bottom"), cd.LinearLayer(1e4))])
+            >>> for hint in scene.hints():
+            ...     print(hint.partition(":")[0])
+            bodies 'low' and 'high' are mirror images
+            the scene is symmetric about x = 1
+        """
+        from .hints import hints
+
+        return hints(self.bodies, [problem.dofs.load for problem in self.local_problems()], self.interfaces)
 
     def body_index(self, body: str | Body) -> int:
         """The index of a body in the scene.

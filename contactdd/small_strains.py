@@ -97,7 +97,7 @@ def _noted(interface: Interface, gap: Floats) -> bool:
     thickness, stiffness = (min(values) for values in zip(*scales, strict=True))
     if np.abs(interface.gap - gap).max(initial=0.0) > NOTED_APPROACH * thickness:
         return True
-    return -interface.layer.contact_stress(gap).min(initial=0.0) > NOTED_PRESSURE * stiffness
+    return np.abs(interface.layer.contact_stress(gap)).max(initial=0.0) > NOTED_PRESSURE * stiffness
 
 
 _known: WeakKeyDictionary[Body, tuple[float, float]] = WeakKeyDictionary()

@@ -9,15 +9,17 @@ from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from functools import wraps
 from pathlib import Path
-from typing import ParamSpec
+from typing import TYPE_CHECKING, ParamSpec, cast
+
+import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
 from .doubts import warn_of_doubts
-from .errors import NoEquilibriumError, NotConvergedError
+from .errors import CheckpointError, NoEquilibriumError, NotConvergedError
 from .hard_contact import HardContact
 from .history import Record
 from .iteration.augmented import AugmentedRun
-from .iteration.checkpoint import CheckpointWriter, read
+from .iteration.checkpoint import CheckpointWriter, closures, read
 from .iteration.interruption import interrupts_agreed
 from .iteration.progress import Progress
 from .iteration.run import Run
@@ -30,6 +32,9 @@ from .solution import Solution
 from .system import start as starts
 from .system.ensemble import Ensemble
 from .system.likeness import refuse_differences
+
+if TYPE_CHECKING:
+    from .layers.gasket import GasketLayer
 
 P = ParamSpec("P")
 
@@ -154,6 +159,8 @@ def solve(
         refuse_differences(scene, way | given | limits | ends)
     if file is not None and _is_hard(scene):
         raise ValueError(f"checkpoint = {checkpoint!r}: hard contacts' multipliers are not kept; expected None")
+    if file is not None and resume and ranks.once(file.exists):
+        scene = _remembering(scene, file)
     ensemble = _ensemble(scene, scheme, local_solver)
     step = find_step(scheme, ensemble, ranks)
     run: Run | AugmentedRun
@@ -181,6 +188,18 @@ def solve(
     return solution
 
 
+def _remembering(scene: Scene, file: Path) -> Scene:
+    """The scene with what its gaskets remembered when a checkpoint was written."""
+    gaskets = [index for index, interface in enumerate(scene.interfaces) if interface.layer.remembers]
+    known = closures(file, scene.ranks) if gaskets else {}
+    for index in gaskets:
+        contact, x = scene.contacts[index], scene.interfaces[index].x.T
+        if known.get(index, np.zeros(0)).shape != x.shape[1:]:
+            raise CheckpointError(f"checkpoint = {str(file)!r}: no closures of contact {contact.name!r} at its points")
+        scene = scene.with_layer(cast("GasketLayer", contact.layer).remembering(x, known[index]), contact.name)
+    return scene
+
+
 def _is_hard(scene: Scene) -> bool:
     """Whether a contact of the scene has no layer."""
     return any(isinstance(contact.layer, HardContact) for contact in scene.contacts)
@@ -191,7 +210,7 @@ def _ensemble(scene: Scene, scheme: Scheme, local_solver: str) -> Ensemble:
     problems, interfaces = scene.local_problems(local_solver), scene.interfaces
     if scheme.decomposed and _is_hard(scene):
         interfaces = [interface.decomposed() for interface in interfaces]
-    return Ensemble(problems, interfaces)
+    return Ensemble(problems, [*interfaces, *scene.sliding])
 
 
 def _raise_failure(solution: Solution, ending: Termination) -> None:

@@ -31,6 +31,7 @@ LEVELS = [
     ["sample", "small_strains"],
     ["local"],
     ["contact_sides", "relaxation"],
+    ["hints"],
     ["scene", "scheme"],
     ["decks"],
     ["system"],

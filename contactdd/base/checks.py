@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 from collections.abc import Callable, Iterable
 from numbers import Real
 from typing import Any
@@ -38,7 +39,7 @@ def finite(name: str, value: Any) -> float:
         number = float(scalar)
     except (TypeError, ValueError):
         raise TypeError(f"{name} = {value!r}: expected a number") from None
-    if not np.isfinite(number):
+    if not math.isfinite(number):
         raise ValueError(f"{name} = {value!r}: expected a finite number")
     return number
 

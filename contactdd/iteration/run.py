@@ -247,8 +247,9 @@ class Run:
         return step, state, self._measured(state)
 
     def _contact_area(self, state: State) -> float:
-        """The area where z < 0."""
-        return sum(float(i.weights @ (z < 0)) for i, z in zip(self.ensemble.interfaces, state.gaps, strict=True))
+        """The area where z < 0, or where surfaces are bonded."""
+        contacts = zip(self.ensemble.interfaces, state.gaps, strict=True)
+        return sum(float(i.weights @ ((z < 0) | i.layer.bonded)) for i, z in contacts if i.slides is None)
 
     def _energy(self, state: State, forces: Forces) -> float:
         """F₁ at an iterate; NotANumberError, which names the layer, where it is no finite number."""
@@ -272,8 +273,11 @@ class Run:
         phi, state, reason = {}, self.state, ""
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
-            sides = self._sides[index] if self.scheme.two_sided else None
-            values = self.scheme.phi(interface.layer, z, before, interface.x.T, sides)
+            if interface.slides is None:
+                sides = self._sides[index] if self.scheme.two_sided else None
+                values = self.scheme.phi(interface.layer, z, before, interface.x.T, sides)
+            else:  # quadratic: the same in every scheme
+                values = interface.layer.contact_derivative(z)
             phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
             if not np.isfinite(phi[index].sum()):
                 at = np.unravel_index(int(np.argmin(np.isfinite(phi[index]))), phi[index].shape)
@@ -378,7 +382,7 @@ class Run:
                 return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
 
-        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
+        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent, elastic)
 
     def _bounded(self) -> bool:
         """Whether the displacements are finite and at most a hundred times the largest body."""
