@@ -183,6 +183,11 @@ def test_results(tmp_path):
     assert cd.error_estimate(found).contact().force.error < 1e-7
 
 
+def test_text_has_no_addresses():
+    """Ranks compare layers by their texts, which a function's address would make unlike."""
+    assert repr(cd.BondedLayer(cd.LinearLayer(1.0), shear_stiffness=lambda x: x[0])).endswith("shear_stiffness=f(x))")
+
+
 def test_two_ranks(tmp_path):
     """Bodies on two ranks, solved apart and together: the numbers of one rank, to the runs' tolerance."""
     code = """
