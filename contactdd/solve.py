@@ -214,8 +214,8 @@ def _warn_of_forgotten(scene: Scene, start: Solution) -> None:
         here, there = _closures(interface), _closures(after)
         if here.shape == there.shape and np.any(there > here):
             warnings.warn(
-                f"start: in it the gasket of contact {interface.contact.name!r} was closed up to {there.max():.6g}, the "
-                f"scene's remembers {here.max():.6g}; start.scene_after is the scene that goes on from there",
+                f"start: the gasket of contact {interface.contact.name!r} was closed up to {there.max():.6g} in it, "
+                f"and the scene's remembers {here.max():.6g}; start.scene_after is the scene that goes on from there",
                 ContactWarning,
                 stacklevel=4,  # `solve` and its decorator are between
             )
