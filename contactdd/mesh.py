@@ -134,7 +134,10 @@ class Mesh:
             ValueError: A marker returns something else, or marks no facet.
         """
         left_out = {name: why for name, why in self.left_out.items() if name not in markers}
-        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, left_out)
+        marked = _mark(self.domain, markers)
+        for name, facets in marked.items():
+            _check_surface(self.domain, name, facets)
+        mesh = Mesh._sound(self.domain, {**self.surfaces, **marked}, None, left_out)
         vars(mesh).update(self._pieces_known())
         return mesh
 
@@ -281,12 +284,14 @@ class Mesh:
         cls,
         domain: dmesh.Mesh,
         surfaces: Mapping[str, NDArray[np.int32]],
-        entities: dict[str, NDArray[np.int32]],
+        entities: dict[str, NDArray[np.int32]] | None,
         left_out: Mapping[str, str],
     ) -> Mesh:
-        """A mesh that is known to be valid, made without the checks."""
+        """A mesh that is known to be valid, made without the checks; entities: of the surfaces, None if not known."""
         mesh = object.__new__(cls)
-        vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities, left_out=left_out)
+        vars(mesh).update(domain=domain, surfaces=surfaces, left_out=left_out)
+        if entities is not None:
+            vars(mesh).update(_entities=entities)
         return mesh
 
     def __reduce__(self) -> tuple[Any, ...]:

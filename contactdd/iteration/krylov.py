@@ -44,7 +44,7 @@ class Krylov:
         rigid = self._ensemble.rigid
         rigid.fixing_dofs(phi, residual, scale)  # only its check
         # On free motions only rounding does work: it is removed from the forces, and the motions from the steps.
-        free = np.linalg.qr(rigid.modes @ rigid.free(phi))[0]
+        free = np.linalg.qr(rigid.free_displacements(phi))[0]
         rhs = residual - free @ (free.T @ residual)
         coarse = self._coarse_space(phi)
         image = self._ensemble.tangent(phi, coarse)

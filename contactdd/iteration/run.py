@@ -17,7 +17,7 @@ from ..errors import LooseBodyError
 from ..history import History, Record
 from ..interface.discretise import Interface
 from ..scheme import Scheme
-from ..system.ensemble import Ensemble, Forces, norm
+from ..system.ensemble import Ensemble, Forces, joined, norm
 from ..system.equilibrium import BALANCED, unbounded_motion
 from ..system.state import State
 from .anderson import Anderson
@@ -47,6 +47,10 @@ RIGID = 1e8
 
 #: Where the slope of the energy is less than this part of the layers' work, it is found by divided differences.
 CANCELLED = 1e-8
+
+
+#: The coordinates that pointwise coefficients do not look at.
+NO_PLACES: Floats = np.zeros((0, 0))
 
 
 @dataclass(frozen=True)
@@ -98,7 +102,7 @@ class Run:
         self._prescribed = max(prescribed, default=0.0)
         self._furthest = ABSURD * (self._size + self._prescribed)
         stiffest = ensemble.rigid.stiffness_scale  # and the φ that is as stiff as that
-        self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
+        self._stiffest = stiffest / ensemble.weights
         self._first_force = 0.0
         self._at_nodes = False
         self._began = time.process_time()
@@ -203,6 +207,7 @@ class Run:
             step, restart = self._accelerated(self.anderson, correction, forces, length)
             note = ", ".join(filter(None, (note, restart)))
         step, state, found = self._next(self._ranks.agree(step), survive)
+        coefficient = self.ensemble.at_all_points(phi)
         record = Record(
             iteration=k,
             gamma=length,
@@ -210,8 +215,8 @@ class Run:
             residual=found.residual,
             energy=self._energy(state, found.forces),
             contact=self._contact_area(state),
-            phi_min=min(float(values.min()) for values in phi.values()),
-            phi_max=max(float(values.max()) for values in phi.values()),
+            phi_min=float(coefficient.min()),
+            phi_max=float(coefficient.max()),
             body_solves=self._linear.body_solves,
             seconds=time.process_time() - self._began,
             note=", ".join(filter(None, (self._linear.note if k == 1 else "", note))),
@@ -235,7 +240,7 @@ class Run:
 
     def _contact_area(self, state: State) -> float:
         """The area where z < 0."""
-        return sum(float(i.weights @ (z < 0)) for i, z in zip(self.ensemble.interfaces, state.gaps, strict=True))
+        return float(self.ensemble.weights @ (joined(state.gaps) < 0))
 
     def _energy(self, state: State, forces: Forces) -> float:
         """F₁ at an iterate; NotANumberError, which names the layer, where it is no finite number."""
@@ -256,18 +261,32 @@ class Run:
 
     def _coefficients(self) -> dict[int, Floats]:
         """φ^k at the points of every interface; NotANumberError where it is none."""
-        phi, state, reason = {}, self.state, ""
-        for index, interface in enumerate(self.ensemble.interfaces):
-            z, before = state.gaps[index], state.previous_gaps[index]
-            values = self.scheme.phi(interface.layer, z, before, interface.x.T)
-            phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
-            if not np.isfinite(phi[index].sum()):
-                at = int(np.argmin(np.isfinite(phi[index])))
-                reason = reason or _no_number(interface, f"coefficient φ {values[at]:g} at the gap {z[at]:.6g}")
-        reason = self._ranks.any_says(reason)
+        found = self._given_coefficients()
+        values = np.minimum(found, RIGID * self._stiffest)  # what is not a number stays so
+        finite = math.isfinite(float(values.sum()))
+        reason = self._ranks.any_says("" if finite else self._strange_coefficient(found))
         if reason:
             raise NotANumberError(reason)
-        return phi
+        return dict(enumerate(self.ensemble.by_interface(values)))
+
+    def _given_coefficients(self) -> Floats:
+        """φ^k of the scheme at all points; that of one contact may depend on all of its points, if it is a user's."""
+        state, scheme, ensemble = self.state, self.scheme, self.ensemble
+        if scheme.pointwise:
+            gaps, before = joined(state.gaps), joined(state.previous_gaps)
+            return ensemble.by_law(lambda law, z, last: scheme.coefficient(law, z, last, NO_PLACES), gaps, before)
+        contacts = zip(ensemble.interfaces, state.gaps, state.previous_gaps, strict=True)
+        return np.concatenate([scheme.phi(i.layer, z, before, i.x.T) for i, z, before in contacts])
+
+    def _strange_coefficient(self, values: Floats) -> str:
+        """The message on the first contact whose coefficient is no finite number."""
+        parts = zip(self.ensemble.interfaces, self.state.gaps, self.ensemble.by_interface(values), strict=True)
+        for interface, z, phi in parts:
+            wrong = np.isnan(phi)
+            if np.any(wrong):
+                at = int(np.argmax(wrong))
+                return _no_number(interface, f"coefficient φ {phi[at]:g} at the gap {z[at]:.6g}")
+        return "the coefficients φ are no finite numbers"
 
     def _correction(
         self, phi: dict[int, Floats], residual: Floats, scale: float, survive: bool
@@ -288,7 +307,7 @@ class Run:
     @cached_property
     def _unbounded_motion(self) -> LooseBodyError | None:
         """The motion that lowers the energy for ever, where there is no equilibrium."""
-        return unbounded_motion(self.ensemble)
+        return unbounded_motion(self.ensemble, self.snapshot.forces.tractions)
 
     def _softened(self, phi: dict[int, Floats], residual: Floats) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
@@ -301,7 +320,8 @@ class Run:
         gap = max(float(np.abs(z).max()) for z in self.state.gaps)
         soft = forces / area / (gap if gap > 1e-12 * self._size else self._size)  # coordinates are no better than that
         soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
-        return {index: np.maximum(values, np.minimum(soft, self._stiffest[index])) for index, values in phi.items()}
+        values = np.maximum(self.ensemble.at_all_points(phi), np.minimum(soft, self._stiffest))
+        return dict(enumerate(self.ensemble.by_interface(values)))
 
     def _accelerated(self, anderson: Anderson, correction: Floats, forces: Forces, gamma: float) -> tuple[Floats, str]:
         """Anderson's step, or the best plain one where that would raise the energy."""
@@ -347,17 +367,17 @@ class Run:
         deformation = self.ensemble.deformation(correction)
         answer = self.ensemble.elastic_forces(correction, deformation)
         elastic = self.ensemble.elastic_work(correction, deformation, answer)
-        moves = self.ensemble.normal_approach @ correction
-        works = moves * forces.tractions
+        moves, gaps = self.ensemble.normal_approach @ correction, joined(self.state.gaps)
+        works, weighted = moves * forces.tractions, self.ensemble.weights * moves
         work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
-        parts = zip(self.ensemble.interfaces, self.state.gaps, self.ensemble.by_interface(moves), strict=True)
-        contacts = [(i.layer, z, move, i.weights * move) for i, z, move in parts]
 
         def growth(t: float) -> float:
             """The growth of the layers' work on the correction from 0 to t."""
+            reached = gaps - t * moves
             if cancels:
-                return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
-            return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
+                steepness = self.ensemble.by_law(lambda law, y, z: law.divided_difference(y, z), reached, gaps)
+                return t * float((weighted * moves) @ steepness)
+            return work - float(weighted @ self.ensemble.by_law(lambda law, z: law.contact_stress(z), reached))
 
         return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
 

@@ -86,7 +86,7 @@ class LocalSolvers:
 
     def __init__(self, bodies: Sequence[Any], interfaces: Sequence[Interface], ranks: Ranks) -> None:
         self._bodies, self._ranks = bodies, ranks
-        self._sides = [sides_of(index, interfaces) for index in range(len(bodies))]
+        self._sides = sides_of_bodies(len(bodies), interfaces)
         self._discrete: dict[int, DiscreteBody] = {}
         self._problems: dict[tuple[str, int], LocalProblem] = {}
         self._originals = originals(bodies) if ranks.alone else [None] * len(bodies)
@@ -192,6 +192,10 @@ def _touched(sides: Sequence[tuple[int, InterfaceSide]]) -> set[str]:
     return {side.surface.surface for _, side in sides}
 
 
-def sides_of(index: int, interfaces: Sequence[Interface]) -> list[tuple[int, InterfaceSide]]:
-    """The sides of interfaces at which a body lies, each with its interface's index."""
-    return [(i, side) for i, interface in enumerate(interfaces) for side in interface.sides if side.body == index]
+def sides_of_bodies(count: int, interfaces: Sequence[Interface]) -> list[list[tuple[int, InterfaceSide]]]:
+    """The sides of interfaces at which each of the bodies lies, each side with its interface's index."""
+    found: list[list[tuple[int, InterfaceSide]]] = [[] for _ in range(count)]
+    for index, interface in enumerate(interfaces):
+        for side in interface.sides:
+            found[side.body].append((index, side))
+    return found
