@@ -1,7 +1,7 @@
 """The null space of a matrix whose columns come in small groups, each row in few of them: eliminated group by group.
 
-Orthogonal transformations make each group's columns triangular in turn, so that nothing is squared; directions of a group
-that no row is left to resist are null directions. What is eliminated early comes from few neighbours (minimum degree).
+Orthogonal transformations make each group's columns triangular in turn, so that nothing is squared; directions of a
+group that no row is left to resist are null directions. Groups with few neighbours come first (minimum degree).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from .arrays import Floats, Indices
+from .arrays import Floats, Indices, slices
 
 #: Some rows of the matrix: by the groups that they touch, the part (rows, columns of the group).
 Rows = Mapping[int, Floats]
@@ -75,13 +75,13 @@ def _ordered(blocks: Sequence[Rows], sizes: Sequence[int]) -> list[int]:
     near = (near.sign() + scipy.sparse.diags(near.getnnz(axis=0) + 1.0)).tocsc()
     order = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
     place = scipy.sparse.linalg.splu(near, permc_spec="MMD_AT_PLUS_A", **order).perm_c
-    return [group for group in np.argsort(place).tolist() if sizes[group]]
+    return [int(group) for group in np.argsort(place) if sizes[group]]
 
 
 def _eliminated(group: int, mine: Sequence[Rows], sizes: Sequence[int], limit: float) -> tuple[_Step, Rows]:
     """A group eliminated from its rows, and the rows that are left of these."""
     others = sorted({other for block in mine for other in block} - {group})
-    parts = _slices([sizes[other] for other in others])
+    parts = slices([sizes[other] for other in others])
     width = parts[-1].stop if parts else 0
     own = np.vstack([block[group] for block in mine] + [np.zeros((sizes[group], sizes[group]))])
     coupled, first = np.zeros((len(own), width)), 0
@@ -95,10 +95,15 @@ def _eliminated(group: int, mine: Sequence[Rows], sizes: Sequence[int], limit: f
     left = left[:, held]
     answer = left.T @ coupled
     rest = coupled - left @ answer
-    rest = np.linalg.qr(rest, mode="r") if len(rest) > width else rest
+    rest = compressed(rest)
     gain = right[held].T @ (answer / singular[held, None])
     step = _Step(group, others, gain, right[~held].T)
     return step, {other: rest[:, part] for other, part in zip(others, parts, strict=True)}
+
+
+def compressed(rows: Floats) -> Floats:
+    """As few rows with the same inner products of the columns."""
+    return np.asarray(np.linalg.qr(rows, mode="r")) if len(rows) > rows.shape[1] else rows
 
 
 def _back_substituted(steps: Sequence[_Step], sizes: Sequence[int]) -> scipy.sparse.csc_matrix:
@@ -136,8 +141,3 @@ def _union(several: Sequence[Indices]) -> Indices:
 
 def _joined(several: Sequence[NDArray[np.intp]]) -> Indices:
     return np.concatenate([np.zeros(0, dtype=np.intp), *several])
-
-
-def _slices(sizes: Sequence[int]) -> list[slice]:
-    ends = np.cumsum([0, *sizes]).tolist()
-    return [slice(*pair) for pair in zip(ends[:-1], ends[1:], strict=True)]

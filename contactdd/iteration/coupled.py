@@ -67,7 +67,7 @@ class SparseSystem:
     sparsity is kept from step to step."""
 
     def __init__(self, ensemble: Ensemble) -> None:
-        self._approach = ensemble.normal_approach
+        self._approach = scipy.sparse.csr_matrix(ensemble.normal_approach)
         self._stiffness = BlockDiagonal([as_matrix(problem.stiffness) for problem in ensemble.problems]).tocsr()
         diagonal = scipy.sparse.eye(ensemble.size).tocsr()
         self._matrix = (_ones(self._stiffness) + _ones(abs(self._approach).T @ abs(self._approach)) + diagonal).tocsr()
@@ -78,7 +78,7 @@ class SparseSystem:
         """The inverse of the matrix; weights: (points,) φ times the areas; held: (unknowns,) added to the diagonal."""
         weighted = self._approach.copy()
         weighted.data *= np.repeat(weights, np.diff(weighted.indptr))
-        contacts = (self._approach.T @ weighted).tocsr()  # without the entries that vanish
+        contacts = scipy.sparse.csr_matrix(self._approach.T @ weighted)  # without the entries that vanish
         values = np.zeros(self._matrix.nnz)
         values[self._own] += self._stiffness.data
         values[self._diagonal] += held

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy
 
-from ..base.arrays import Floats, Integers, Operator
+from ..base.arrays import Floats, Integers, Operator, slices
 
 
 @dataclass(frozen=True)
@@ -53,9 +52,3 @@ def _entries(block: Operator) -> tuple[Floats, Integers, Integers]:
         return block.ravel(), np.tile(np.arange(columns), rows), np.full(rows, columns)
     block = scipy.sparse.csr_matrix(block)
     return block.data, block.indices, np.diff(block.indptr)
-
-
-def slices(sizes: Iterable[int]) -> list[slice]:
-    """The slices of parts of the given sizes, one after another."""
-    ends = list(itertools.accumulate(sizes, initial=0))
-    return [slice(*pair) for pair in itertools.pairwise(ends)]

@@ -13,16 +13,15 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..base.arrays import Floats, Operator
+from ..base.arrays import Floats, Operator, slices
 from ..base.sparse import stacked
 from ..interface.discretise import Interface
 from ..layer import Layer
 from ..local.problem import ContactTrace, LocalProblem
 from ..local.rigid import RigidMotions
-from .block_diagonal import BlockDiagonal, slices
+from .block_diagonal import BlockDiagonal
 from .joint_motions import ManyMotions, joint_motions
 from .state import State
-
 
 #: Unknowns up to which matrices of all bodies are dense: one product, or one Cholesky factorisation, beats many of the
 #: bodies' blocks.
@@ -157,7 +156,9 @@ class Ensemble:
 
     def by_law(self, function: Callable[..., Floats], *values: Floats) -> Floats:
         """function(law, values) at all points, of values (points,) there; it has to treat the points alike."""
-        return joined([function(law, *(each[part] for each in values)) for law, part in self.laws])
+        if len(self.laws) == 1:
+            return function(self.laws[0][0], *values)
+        return np.concatenate([function(law, *(each[part] for each in values)) for law, part in self.laws])
 
     @cached_property
     def laws(self) -> list[tuple[Layer, slice]]:

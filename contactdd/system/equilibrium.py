@@ -87,8 +87,10 @@ def _balanced(work: Floats, closes: Operator, guess: Floats | None) -> bool:
     if isinstance(closes, np.ndarray):
         closes = closes / np.abs(closes).max(initial=np.finfo(float).tiny)
         return bool(scipy.optimize.nnls(closes.T, work)[1] < UNBALANCED)
-    forces = None if guess is None else np.maximum(guess, 0.0)
-    for _ in range(GUESSES if forces is not None else 0):
+    if guess is None:
+        return False
+    forces: Floats = np.maximum(guess, 0.0)
+    for _ in range(GUESSES):
         missing = work - closes.T @ forces
         if np.linalg.norm(missing) < UNBALANCED:
             return True

@@ -14,13 +14,13 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..base.arrays import Floats, Indices, Operator
-from ..base.null_space import NullSpace, Rows, null_space
+from ..base.arrays import Floats, Indices, Operator, slices
+from ..base.null_space import NullSpace, Rows, compressed, null_space
 from ..errors import LooseBodyError
 from ..local.factor import Factor
-from ..local.problem import LocalProblem
+from ..local.problem import LocalProblem, Solver
 from ..local.rigid import Resistance, RigidMotions, loose_body, select_fixing_dofs
-from .block_diagonal import BlockDiagonal, slices
+from .block_diagonal import BlockDiagonal
 
 #: Motions up to which dense algebra is quicker.
 LARGEST_DENSE = 100
@@ -67,8 +67,9 @@ def joint_motions(
     parts = slices(each.count for each in motions)
     contacts = [Resistance(index, _dense(coupling, parts)) for index, coupling in enumerate(couplings)]
     owners = [owner for each in motions for owner in each.owners]
-    blocks = [scipy.linalg.block_diag(*each) for each in ([m.modes for m in motions], [m.springs for m in motions])]
-    return RigidMotions(*blocks, contacts, owners, max(each.stiffness_scale for each in motions))
+    dense = scipy.linalg.block_diag(*(each.modes for each in motions))
+    springs = scipy.linalg.block_diag(*(each.springs for each in motions))
+    return RigidMotions(dense, springs, contacts, owners, max(each.stiffness_scale for each in motions))
 
 
 def _couplings(problems: Sequence[LocalProblem], weights: Sequence[Floats]) -> list[Coupling]:
@@ -141,9 +142,7 @@ class ManyMotions:
     unknowns.
     """
 
-    def __init__(
-        self, motions: Sequence[RigidMotions], couplings: Sequence[Coupling], modes: BlockDiagonal
-    ) -> None:
+    def __init__(self, motions: Sequence[RigidMotions], couplings: Sequence[Coupling], modes: BlockDiagonal) -> None:
         self.owners = [owner for each in motions for owner in each.owners]
         self.stiffness_scale = max(each.stiffness_scale for each in motions)
         self._motions, self._couplings, self._modes = motions, couplings, modes
@@ -264,7 +263,7 @@ class ManyMotions:
 
     @cached_property
     def _pattern(self) -> tuple[NDArray[np.int64], Indices]:
-        """The keys, row times number of motions plus column, of the resistance's entries, and of its parts' the place."""
+        """The keys (row times number of motions plus column) of the resistance's entries, and its parts' places."""
         own = [np.arange(part.start, part.stop) for part in self._parts]
         keys = [(at[:, None] * self.count + at).ravel() for at in (*self._columns, *own)]
         return np.unique(np.concatenate(keys), return_inverse=True)
@@ -272,7 +271,8 @@ class ManyMotions:
     def _assembled(self, blocks: Sequence[Floats]) -> Floats:
         """The entries of the matrix of these blocks, of all interfaces and then all bodies."""
         keys, places = self._pattern
-        return np.bincount(places, weights=np.concatenate([block.ravel() for block in blocks]), minlength=len(keys))
+        values = np.concatenate([block.ravel() for block in blocks])
+        return np.asarray(np.bincount(places, weights=values, minlength=len(keys)), dtype=float)
 
     def _resistance(self, phi: Mapping[int, Floats] | None) -> Floats:
         """The entries of the stiffness of contacts and springs against the motions; None: φ = 1."""
@@ -288,7 +288,7 @@ class ManyMotions:
         """What is added to the entries of the resistance to fix the unresisted motions."""
         fixed = self._unresisted.directions
         nothing = [np.zeros((len(at), len(at))) for at in self._columns]
-        own = [np.zeros((size, size)) for size in self._sizes]
+        own: list[Floats] = [np.zeros((size, size)) for size in self._sizes]
         for body, directions in fixed.items():
             own[body] = self.stiffness_scale * (directions @ directions.T)
         return self._assembled(nothing + own)
@@ -310,7 +310,8 @@ class ManyMotions:
             growth = float(np.linalg.norm(vector))
         return growth * limit < 0.25  # false for what is not a number, too
 
-    def _factored(self, values: Floats, limit: float):
+    def _factored(self, values: Floats, limit: float) -> Solver:
+        """The inverse of the matrix with these entries and a limit more on its diagonal."""
         keys, _ = self._pattern
         rows, columns = np.divmod(keys, self.count)
         shifted = values + limit * (rows == columns)
@@ -324,9 +325,7 @@ class ManyMotions:
 
 def _compressed(rows: Rows) -> Rows:
     """As few rows with the same inner products."""
-    beside = np.hstack(list(rows.values()))
-    if len(beside) > beside.shape[1]:
-        beside = np.linalg.qr(beside, mode="r")
+    beside = compressed(np.hstack(list(rows.values())))
     parts = slices(part.shape[1] for part in rows.values())
     return {body: beside[:, part] for body, part in zip(rows, parts, strict=True)}
 

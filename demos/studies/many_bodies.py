@@ -1,7 +1,7 @@
 """How time and memory grow with the number of bodies: a stack of plates, a wall of bricks, a pile of cubes.
 
-All bodies have meshes of their own and one of three materials, so that nothing is shared; every measurement is a process
-of its own, on one thread.
+Every body has a material of its own, and neighbours have meshes that do not match, so that nothing is shared; every
+measurement is a process of its own, on one thread.
 """
 
 from __future__ import annotations
@@ -23,10 +23,14 @@ from results import Report
 
 import contactdd as cd
 
-STEELS = [cd.Isotropic(E=2.1e5 * (1 + k), nu=0.3) for k in range(3)]
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 LOAD = 10.0
 TOLERANCE = 1e-8
+
+
+def steel(number: int) -> cd.Isotropic:
+    """The material of a body: no two have the same."""
+    return cd.Isotropic(E=2.1e5 * (1 + 2 * (0.618034 * number % 1)), nu=0.3)
 
 
 def dent(x: np.ndarray) -> np.ndarray:
@@ -38,10 +42,10 @@ def stack(count: int) -> cd.Scene:
     """Plates on a foundation, with a groove between each two of them."""
     plates = []
     for place in range(count):
-        mesh = cd.rectangle((0, place), (4, place + 1), (16, 4), shape="quadrilateral")
+        mesh = cd.rectangle((0, place), (4, place + 1), (16 - place % 3, 4), shape="quadrilateral")
         supports: list[Any] = [cd.Symmetry("left", "right")] + ([cd.Fixed("bottom")] if place == 0 else [])
         loads = [cd.Pressure("top", LOAD)] if place == count - 1 else []
-        plates.append(cd.Body(f"plate {place}", mesh, STEELS[place % 3], supports=supports, loads=loads))
+        plates.append(cd.Body(f"plate {place}", mesh, steel(place), supports=supports, loads=loads))
     contacts = [cd.Contact((lower, "top"), (upper, "bottom"), LAYER, gap=dent) for lower, upper in pairwise(plates)]
     return cd.Scene(plates, contacts)
 
@@ -70,7 +74,7 @@ def _course(place: int, across: int, last: int) -> list[tuple[range, cd.Body]]:
 
 def _brick(place: int, ends: tuple[int, int], width: int, last: int) -> cd.Body:
     (x0, x1), top = ends, place + 1
-    mesh = cd.rectangle((x0, place), (x1, top), (4 * (x1 - x0), 4), shape="quadrilateral")
+    mesh = cd.rectangle((x0, place), (x1, top), (4 * (x1 - x0), 4 - (place + x0 // 2) % 2), shape="quadrilateral")
     halves: dict[str, Any] = {
         f"{side} {x}": lambda p, x=x, y=y: np.isclose(p[1], y) & (np.abs(p[0] - x - 0.5) < 0.51)
         for side, y in (("bottom", place), ("top", top))
@@ -80,8 +84,8 @@ def _brick(place: int, ends: tuple[int, int], width: int, last: int) -> cd.Body:
     supports += [cd.Symmetry("left")] if x0 == 0 else []
     supports += [cd.Symmetry("right")] if x1 == width else []
     loads = [cd.Pressure("top", LOAD)] if place == last else []
-    steel = STEELS[(place + x0) % 3]
-    return cd.Body(f"brick {place}, {x0}", mesh.with_surfaces(**halves), steel, supports=supports, loads=loads)
+    material = steel(width * place + x0)
+    return cd.Body(f"brick {place}, {x0}", mesh.with_surfaces(**halves), material, supports=supports, loads=loads)
 
 
 def _over(course: list[tuple[range, cd.Body]], x: int) -> cd.Body:
@@ -96,19 +100,24 @@ def pile(count: int) -> cd.Scene:
     contacts = [
         cd.Contact((cubes[i, j, k], before), (cubes[i + a, j + b, k + c], after), LAYER)
         for i, j, k in cubes
-        for (a, b, c), before, after in (((1, 0, 0), "right", "left"), ((0, 1, 0), "back", "front"), ((0, 0, 1), "top", "bottom"))
+        for (a, b, c), before, after in (
+            ((1, 0, 0), "right", "left"),
+            ((0, 1, 0), "back", "front"),
+            ((0, 0, 1), "top", "bottom"),
+        )
         if (i + a, j + b, k + c) in cubes
     ]
     return cd.Scene(list(cubes.values()), contacts)
 
 
 def _cube(at: tuple[int, ...], edge: int) -> cd.Body:
-    mesh = cd.box(at, [x + 1 for x in at], (3, 3, 3), shape="hexahedron")
+    mesh = cd.box(at, [x + 1 for x in at], (3 - sum(at) % 2,) * 3, shape="hexahedron")
     i, j, k = at
     walls = {"left": i == 0, "right": i == edge - 1, "front": j == 0, "back": j == edge - 1, "bottom": k == 0}
     supports = [cd.Symmetry(*touched)] if (touched := [side for side, there in walls.items() if there]) else []
     loads = [cd.Pressure("top", LOAD)] if k == edge - 1 else []
-    return cd.Body(f"cube {i}, {j}, {k}", mesh, STEELS[sum(at) % 3], supports=supports, loads=loads)
+    number = (i * edge + j) * edge + k
+    return cd.Body(f"cube {i}, {j}, {k}", mesh, steel(number), supports=supports, loads=loads)
 
 
 SCENES: dict[str, Callable[[int], cd.Scene]] = {"stack": stack, "wall": wall, "pile": pile}
@@ -158,7 +167,9 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
 def main(arguments: list[str] | None = None) -> None:
     report = Report(__file__, __doc__, arguments, quick="few bodies only")
     rows = []
-    print(f"{'':6} {'bodies':>6} {'contacts':>8} {'unknowns':>9} {'CPU s':>8} {'ms/body':>8} {'peak MB':>8} {'steps':>5}")
+    print(
+        f"{'':6} {'bodies':>6} {'contacts':>8} {'unknowns':>9} {'CPU s':>8} {'ms/body':>8} {'peak MB':>8} {'steps':>5}"
+    )
     for kind, sizes in (QUICK if report.quick else SIZES).items():
         for size in sizes:
             row = in_own_process(__file__, kind, size)
