@@ -11,6 +11,8 @@ import scipy
 import contactdd as cd
 from contactdd.base.null_space import null_space
 from contactdd.errors import LooseBodyError
+from contactdd.local.condensation import SmallCondensation, SparseCondensation
+from contactdd.local.discrete import DiscreteBody
 from contactdd.local.rigid import RigidMotions
 from contactdd.system import joint_motions
 from contactdd.system.ensemble import Ensemble
@@ -194,3 +196,18 @@ def test_contacts_of_unlike_layers_keep_their_own():
     for place in range(5):
         wanted = (10.0 / 1e4, 1e-6 * 10.0**0.8)[place // 2 % 2]
         assert -solution.contact(place).gap == pytest.approx(wanted, rel=1e-8)
+
+
+@pytest.mark.parametrize("cells", [(3, 2), (3, 2, 2)])
+def test_a_small_body_is_condensed_alike_by_lapack_and_by_mumps(cells):
+    make = cd.rectangle if len(cells) == 2 else cd.box
+    mesh = make((0,) * len(cells), (1,) * len(cells), cells)
+    discrete = DiscreteBody(cd.Body("body", mesh, STEEL, supports=[cd.Fixed("left")]))
+    matrix, kept = discrete.stiffness.reduced, np.array([7, 3, 12, 4])
+    forces, moved = np.random.default_rng(7).random((2, matrix.shape[0]))
+    small, large = SmallCondensation(matrix, kept), SparseCondensation(matrix.copy(), kept)
+    scale = matrix.diagonal().max()  # rounding of it, times a condition of some hundred
+    assert small.schur_complement == pytest.approx(large.schur_complement, abs=1e-13 * scale)
+    for one, other in zip(small.condense_load(forces), large.condense_load(forces), strict=True):
+        assert one == pytest.approx(other, rel=1e-10)
+    assert small.recover(moved[:4], forces) == pytest.approx(large.recover(moved[:4], forces), rel=1e-10)

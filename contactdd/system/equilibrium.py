@@ -70,7 +70,7 @@ def _way_out(work: Floats, closes: Operator, guess: Floats | None = None) -> Flo
     # Mostly some pressures balance the loads, which is cheaper to see.
     if _balanced(work, closes, None if guess is None else guess / size):
         return None
-    closes = closes / (abs(closes).max() if min(closes.shape) else 1.0)
+    closes = closes / max(float(abs(closes).max()) if min(closes.shape) else 0.0, np.finfo(float).tiny)
     nothing = np.zeros(closes.shape[0])
     found = scipy.optimize.linprog(-work, A_ub=closes, b_ub=nothing, bounds=[(-1.0, 1.0)] * len(work))
     # The programme is solved to about 1e-7; a load that nothing balances does work of the order of one.
