@@ -84,8 +84,8 @@ class Scene:
         """Every body's local problem, in order.
 
         Args:
-            local_solver: "condensed", "assembled", "multigrid", a registered name, or "auto": condensed unless a body
-                is too large for it.
+            local_solver: "condensed", "assembled", "multigrid", a registered name, or "auto": for each body the
+                one of "condensed" and "multigrid" that is estimated to cost less.
 
         Raises:
             ValueError: There is no local solver of that name.
@@ -96,6 +96,11 @@ class Scene:
         if self._solvers is None:
             self._solvers = LocalSolvers(self.bodies, self.interfaces, self.ranks)
         return self._solvers.problems(local_solver)
+
+    @property
+    def estimates(self) -> list[str]:
+        """What local solvers were estimated to cost where "auto" chose between them, in words."""
+        return [] if self._solvers is None else self._solvers.notes
 
     def subproblems(self, local_solver: str = "auto") -> list[LocalProblem]:
         """The old name of `local_problems`.
