@@ -35,7 +35,7 @@ DENSE = 2e-10
 DENSE_COPIES = 3
 
 
-#: Solving n unknowns by multigrid: exp(c₀) n^c₁ w^c₂ seconds, w the cubes of the cells' unknowns for each of the n. Cells
+#: Solving n unknowns by multigrid: exp(c₀) n^c₁ w^c₂ seconds, w the cubes of the cells' unknowns per unknown. Cells
 #: of high degree couple more unknowns and take more cycles.
 MULTIGRID = (-14.88, 1.063, 0.533)
 
