@@ -17,6 +17,10 @@ Integers = NDArray[np.integer[Any]]
 Operator = Union["scipy.sparse.csr_matrix", NDArray[np.float64]]  # type: ignore[name-defined]  # noqa: F821
 
 
+#: The smallest positive number of full precision, below what may be 0 and is divided by.
+TINY = float(np.finfo(float).tiny)
+
+
 def slices(sizes: Iterable[int]) -> list[slice]:
     """The slices of parts of the given sizes, one after another."""
     ends = list(itertools.accumulate(sizes, initial=0))

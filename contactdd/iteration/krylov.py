@@ -10,6 +10,7 @@ import scipy
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..base.sparse import along_diagonal
 from ..local.problem import Solver
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
@@ -33,9 +34,9 @@ class Krylov:
 
     #: Modes below this are put into the coarse space; 0.2 bounds the condition of the rest by about 10.
     LOWEST = 0.2
-    #: Reduction of the residual of each Newton correction by the Krylov method: with 1e-4 Newton takes a step less and
-    #: the bodies a quarter more solves.
-    FORCING = 1e-2
+    #: Reduction of the residual of each Newton correction by the Krylov method: with 1e-4 the bodies take a quarter more
+    #: solves, with 1e-2 Newton's method a step more.
+    FORCING = 1e-3
 
     def __init__(self, ensemble: Ensemble, ranks: Ranks, note: str = "") -> None:
         self._ensemble, self._ranks = ensemble, ranks
@@ -93,7 +94,7 @@ class Krylov:
             modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
             return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
 
-        return scipy.linalg.block_diag(*self._ranks.each(of))
+        return along_diagonal(self._ranks.each(of))
 
 
 def deflated_conjugate_gradients(

@@ -13,9 +13,11 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..contact_sides import ContactSides, sides_of_contacts
 from ..errors import LooseBodyError
 from ..history import History, Record
 from ..interface.discretise import Interface
+from ..relaxation import Correction, Relaxation
 from ..scheme import Scheme
 from ..system.ensemble import Ensemble, Forces, joined, norm
 from ..system.equilibrium import BALANCED, unbounded_motion
@@ -102,16 +104,18 @@ class Run:
         self._prescribed = max(prescribed, default=0.0)
         self._furthest = ABSURD * (self._size + self._prescribed)
         stiffest = ensemble.rigid.stiffness_scale  # and the φ that is as stiff as that
-        self._stiffest = stiffest / ensemble.weights
+        self._stiffest = ensemble.by_interface(stiffest / ensemble.weights)
+        self._sliding = any(interface.slides is not None for interface in ensemble.interfaces)
         self._first_force = 0.0
         self._at_nodes = False
+        self._last_correction: Floats | None = None
         self._began = time.process_time()
         self.snapshot = self._complete(ensemble.forces(state))
 
-    def iterate(self, gammas: Iterator[float | None], rule: StoppingCriterion, observe: Observer) -> Termination:
+    def iterate(self, gammas: Iterator[Relaxation], rule: StoppingCriterion, observe: Observer) -> Termination:
         """Iterate to the end, from where the history ends.
 
-        gammas: γ^0, γ^1, …, None where it is to be searched; observe: told of every iteration, ends the run by
+        gammas: γ^0, γ^1, …, see `relaxation`; observe: told of every iteration, ends the run by
         returning True.
         """
         done, self._at_nodes = len(self.history), rule.criterion == "change"
@@ -191,23 +195,22 @@ class Run:
                 return _no_number(interface, f"stress {stress[at]:g} at the gap {z[at]:.6g}")
         return "the displacements or forces are no finite numbers (their squares have to be)"
 
-    def _iteration(self, k: int, gamma: float | None, at: Measured) -> tuple[Record, Measured]:
+    def _iteration(self, k: int, gamma: Relaxation, at: Measured) -> tuple[Record, Measured]:
         """The iteration k (16), (25): its record, and the forces at the iterate that it ends with.
 
-        gamma: None where it is to be searched; at: the forces at the present iterate, which stays where the next one
-        would be no numbers.
+        gamma: None where it is to be searched, a function where it is chosen; at: the forces at the present iterate,
+        which stays where the next one would be no numbers.
         """
         phi, forces = self._coefficients(), at.forces
         survive = gamma is None or self.anderson is not None
         correction, phi, note = self._correction(phi, forces.residual, at.scale, survive)
-        length = self._search(correction, forces) if gamma is None else gamma
+        length = self._length(gamma, correction, forces)
         if self.anderson is None:
             step = length * correction
         else:
             step, restart = self._accelerated(self.anderson, correction, forces, length)
             note = ", ".join(filter(None, (note, restart)))
         step, state, found = self._next(self._ranks.agree(step), survive)
-        coefficient = self.ensemble.at_all_points(phi)
         record = Record(
             iteration=k,
             gamma=length,
@@ -215,14 +218,24 @@ class Run:
             residual=found.residual,
             energy=self._energy(state, found.forces),
             contact=self._contact_area(state),
-            phi_min=float(coefficient.min()),
-            phi_max=float(coefficient.max()),
+            phi_min=min(float(values.min()) for values in phi.values()),
+            phi_max=max(float(values.max()) for values in phi.values()),
             body_solves=self._linear.body_solves,
             seconds=time.process_time() - self._began,
             note=", ".join(filter(None, (self._linear.note if k == 1 else "", note))),
         )
         self.state = state
         return record, found
+
+    def _length(self, gamma: Relaxation, correction: Floats, forces: Forces) -> float:
+        """γ^k: given, chosen by a function, or searched."""
+        if gamma is None:
+            return self._search(correction, forces)
+        if not callable(gamma):
+            return gamma
+        chosen = gamma(Correction(len(self.history), self.history, correction, self._last_correction))
+        self._last_correction = correction
+        return chosen
 
     def _next(self, step: Floats, guarded: bool) -> tuple[Floats, State, Measured]:
         """The step, the iterate after it and its forces.
@@ -239,8 +252,9 @@ class Run:
         return step, state, self._measured(state)
 
     def _contact_area(self, state: State) -> float:
-        """The area where z < 0."""
-        return float(self.ensemble.weights @ (joined(state.gaps) < 0))
+        """The area where z < 0, or where surfaces are bonded."""
+        contacts = zip(self.ensemble.interfaces, state.gaps, strict=True)
+        return sum(float(i.weights @ ((z < 0) | i.layer.bonded)) for i, z in contacts if i.slides is None)
 
     def _energy(self, state: State, forces: Forces) -> float:
         """F₁ at an iterate; NotANumberError, which names the layer, where it is no finite number."""
@@ -261,32 +275,38 @@ class Run:
 
     def _coefficients(self) -> dict[int, Floats]:
         """φ^k at the points of every interface; NotANumberError where it is none."""
-        found = self._given_coefficients()
-        values = np.minimum(found, RIGID * self._stiffest)  # what is not a number stays so
-        finite = math.isfinite(float(values.sum()))
-        reason = self._ranks.any_says("" if finite else self._strange_coefficient(found))
+        if self.scheme.pointwise and not self._sliding:
+            return self._coefficients_at_once()
+        phi, state, reason = {}, self.state, ""
+        for index, interface in enumerate(self.ensemble.interfaces):
+            z, before = state.gaps[index], state.previous_gaps[index]
+            if interface.slides is None:
+                sides = self._sides[index] if self.scheme.two_sided else None
+                values = self.scheme.phi(interface.layer, z, before, interface.x.T, sides)
+            else:  # quadratic: the same in every scheme
+                values = interface.layer.contact_derivative(z)
+            phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
+            if not np.isfinite(phi[index].sum()):
+                reason = reason or _no_coefficient(interface, phi[index], z)
+        reason = self._ranks.any_says(reason)
         if reason:
             raise NotANumberError(reason)
-        return dict(enumerate(self.ensemble.by_interface(values)))
+        return phi
 
-    def _given_coefficients(self) -> Floats:
-        """φ^k of the scheme at all points; that of one contact may depend on all of its points, if it is a user's."""
-        state, scheme, ensemble = self.state, self.scheme, self.ensemble
-        if scheme.pointwise:
-            gaps, before = joined(state.gaps), joined(state.previous_gaps)
-            return ensemble.by_law(lambda law, z, last: scheme.coefficient(law, z, last, NO_PLACES), gaps, before)
-        contacts = zip(ensemble.interfaces, state.gaps, state.previous_gaps, strict=True)
-        return np.concatenate([scheme.phi(i.layer, z, before, i.x.T) for i, z, before in contacts])
-
-    def _strange_coefficient(self, values: Floats) -> str:
-        """The message on the first contact whose coefficient is no finite number."""
-        parts = zip(self.ensemble.interfaces, self.state.gaps, self.ensemble.by_interface(values), strict=True)
-        for interface, z, phi in parts:
-            wrong = np.isnan(phi)
-            if np.any(wrong):
-                at = int(np.argmax(wrong))
-                return _no_number(interface, f"coefficient φ {phi[at]:g} at the gap {z[at]:.6g}")
-        return "the coefficients φ are no finite numbers"
+    def _coefficients_at_once(self) -> dict[int, Floats]:
+        """The same where it depends on nothing but the law and the gaps at each point."""
+        ensemble, state, coefficient = self.ensemble, self.state, self.scheme.coefficient
+        gaps, before = joined(state.gaps), joined(state.previous_gaps)
+        values = ensemble.by_law(lambda law, z, last: coefficient(law, z, last, NO_PLACES), gaps, before)
+        values = np.minimum(values, RIGID * joined(self._stiffest))  # what is not a number stays so
+        phi, reason = ensemble.by_interface(values), ""
+        if not math.isfinite(float(values.sum())):
+            contacts = zip(ensemble.interfaces, phi, state.gaps, strict=True)
+            reason = next(_no_coefficient(*each) for each in contacts if not np.isfinite(each[1].sum()))
+        reason = self._ranks.any_says(reason)
+        if reason:
+            raise NotANumberError(reason)
+        return dict(enumerate(phi))
 
     def _correction(
         self, phi: dict[int, Floats], residual: Floats, scale: float, survive: bool
@@ -305,6 +325,11 @@ class Run:
         return self._linear.correct(phi, residual, scale), phi, "open: held by a soft Robin term"
 
     @cached_property
+    def _sides(self) -> list[ContactSides]:
+        """The contacts with their bodies, for coefficients that see them."""
+        return sides_of_contacts(self.ensemble.interfaces, self.ensemble.problems)
+
+    @cached_property
     def _unbounded_motion(self) -> LooseBodyError | None:
         """The motion that lowers the energy for ever, where there is no equilibrium."""
         return unbounded_motion(self.ensemble, self.snapshot.forces.tractions)
@@ -320,8 +345,7 @@ class Run:
         gap = max(float(np.abs(z).max()) for z in self.state.gaps)
         soft = forces / area / (gap if gap > 1e-12 * self._size else self._size)  # coordinates are no better than that
         soft = max(soft, 1e-10 * max(float(values.max()) for values in phi.values()))
-        values = np.maximum(self.ensemble.at_all_points(phi), np.minimum(soft, self._stiffest))
-        return dict(enumerate(self.ensemble.by_interface(values)))
+        return {index: np.maximum(values, np.minimum(soft, self._stiffest[index])) for index, values in phi.items()}
 
     def _accelerated(self, anderson: Anderson, correction: Floats, forces: Forces, gamma: float) -> tuple[Floats, str]:
         """Anderson's step, or the best plain one where that would raise the energy."""
@@ -379,7 +403,7 @@ class Run:
                 return t * float((weighted * moves) @ steepness)
             return work - float(weighted @ self.ensemble.by_law(lambda law, z: law.contact_stress(z), reached))
 
-        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
+        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent, elastic)
 
     def _bounded(self) -> bool:
         """Whether the displacements are finite and at most a hundred times the largest body."""
@@ -425,6 +449,12 @@ class Run:
         """The end of a run for this reason, unless there is a deeper one: no equilibrium."""
         way = self._unbounded_motion
         return Termination(status, reason) if way is None else Termination("no equilibrium", str(way), way)
+
+
+def _no_coefficient(interface: Interface, phi: Floats, z: Floats) -> str:
+    """The message on the first coefficient, (points,) or a row for each body, that is no finite number."""
+    at = np.unravel_index(int(np.argmin(np.isfinite(phi))), phi.shape)
+    return _no_number(interface, f"coefficient φ {phi[at]:g} at the gap {z[at[-1]]:.6g}")
 
 
 def _no_number(interface: Interface, what: str) -> str:

@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Operator, slices
-from ..base.sparse import stacked
+from ..base.sparse import along_diagonal, stacked
 from ..interface.discretise import Interface
 from ..layer import Layer
 from ..local.problem import ContactTrace, LocalProblem
@@ -208,9 +208,8 @@ class Ensemble:
 
     def _along_diagonal(self, blocks: Sequence[Operator]) -> Floats | BlockDiagonal:
         """The matrix with the bodies' blocks along its diagonal, dense if they all are and are small together."""
-        if not self.dense or not all(isinstance(block, np.ndarray) for block in blocks):
-            return BlockDiagonal(blocks)
-        return scipy.linalg.block_diag(*blocks)
+        dense = [block for block in blocks if isinstance(block, np.ndarray)]
+        return along_diagonal(dense) if self.dense and len(dense) == len(blocks) else BlockDiagonal(blocks)
 
     def _normal_approach(self) -> Operator:
         """The operator from y to u_αn + u_βn at all points."""

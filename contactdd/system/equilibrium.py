@@ -6,12 +6,17 @@ work, that causes no elastic force and closes no gap. A linear programme finds s
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
-from ..base.arrays import Floats, Operator
+from ..base.arrays import TINY, Floats, Operator
+from ..base.sparse import stacked
 from ..errors import LooseBodyError
 from ..interface.discretise import Interface, discretise
+from ..layer import LinearLayer
 from .ensemble import Ensemble
 from .joint_motions import Coupling, joint_rows, least_squares
 
@@ -50,14 +55,29 @@ def unbounded_motion(ensemble: Ensemble, tractions: Floats | None = None) -> Loo
     work = free.T @ _work_of_loads(ensemble)
     if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * ensemble.load_size:
         return None
+    rows, bonded = motions.rows, _bonded(ensemble, [len(i.weights) for i in ensemble.interfaces])
     guess = None if tractions is None else -tractions / np.sqrt(ensemble.weights)
-    motion = _way_out(work, motions.rows @ free, guess)
+    if guess is not None and np.any(bonded):
+        guess = np.concatenate([guess, -guess[bonded]])
+    motion = _way_out(work, _resisted(rows, bonded) @ free, guess)
     if motion is None:
         return None
     # The outermost integration points lie inside of the outermost facets: the contact's edge is not among them.
-    rows = joint_rows([_near_edges(ensemble, i) for i in ensemble.interfaces], motions)
-    at_the_edge = _way_out(work, rows @ free) is None
+    contacts = zip(ensemble.interfaces, ensemble.points, strict=True)
+    near = [rows[part] if i.layer.bonded else joint_rows([_near_edges(ensemble, i)], motions) for i, part in contacts]
+    resisted = _resisted(stacked(near), _bonded(ensemble, [each.shape[0] for each in near]))
+    at_the_edge = _way_out(work, resisted @ free) is None
     return motions.loose(free @ motion, AT_THE_EDGE if at_the_edge else "")
+
+
+def _bonded(ensemble: Ensemble, points: Sequence[int]) -> NDArray[np.bool_]:
+    """Whether surfaces are bonded, at so many points of each contact, (all points,)."""
+    return np.repeat([bool(interface.layer.bonded) for interface in ensemble.interfaces], points)
+
+
+def _resisted(rows: Operator, bonded: NDArray[np.bool_]) -> Operator:
+    """The approaches of rigid motions (points, motions) that contacts resist; bonds resist their opposites too."""
+    return stacked([rows, -rows[bonded]]) if np.any(bonded) else rows
 
 
 def _way_out(work: Floats, closes: Operator, guess: Floats | None = None) -> Floats | None:
@@ -70,7 +90,7 @@ def _way_out(work: Floats, closes: Operator, guess: Floats | None = None) -> Flo
     # Mostly some pressures balance the loads, which is cheaper to see.
     if _balanced(work, closes, None if guess is None else guess / size):
         return None
-    closes = closes / max(float(abs(closes).max()) if min(closes.shape) else 0.0, np.finfo(float).tiny)
+    closes = closes / max(float(abs(closes).max()) if min(closes.shape) else 0.0, TINY)
     nothing = np.zeros(closes.shape[0])
     found = scipy.optimize.linprog(-work, A_ub=closes, b_ub=nothing, bounds=[(-1.0, 1.0)] * len(work))
     # The programme is solved to about 1e-7; a load that nothing balances does work of the order of one.
@@ -85,7 +105,7 @@ def _balanced(work: Floats, closes: Operator, guess: Floats | None) -> bool:
     Where motions are many, only forces like the guess are tried: each is changed in proportion to itself.
     """
     if isinstance(closes, np.ndarray):
-        closes = closes / np.abs(closes).max(initial=np.finfo(float).tiny)
+        closes = closes / np.abs(closes).max(initial=TINY)
         return bool(scipy.optimize.nnls(closes.T, work)[1] < UNBALANCED)
     if guess is None:
         return False
@@ -103,7 +123,8 @@ def _balanced(work: Floats, closes: Operator, guess: Floats | None) -> bool:
 def _near_edges(ensemble: Ensemble, interface: Interface) -> Coupling:
     """What an interface does to rigid motions at points very near the facets' edges."""
     first, second = interface.sides
-    fine = discretise(interface.contact.resampled(NEAR_EDGES), (first.body, second.body), interface.facets)
+    contact = interface.contact.resampled(NEAR_EDGES).with_layer(LinearLayer(1.0))  # the law is not asked for
+    fine = discretise(contact, (first.body, second.body), interface.facets)
     rows: dict[int, Floats] = {}
     for side in fine.sides:
         owner = ensemble.rigid.owners[side.body]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Indices, Operator, slices
 from ..base.null_space import NullSpace, Rows, compressed, null_space
+from ..base.sparse import along_diagonal
 from ..errors import LooseBodyError
 from ..local.factor import Factor
 from ..local.problem import LocalProblem, Solver
@@ -67,8 +68,7 @@ def joint_motions(
     parts = slices(each.count for each in motions)
     contacts = [Resistance(index, _dense(coupling, parts)) for index, coupling in enumerate(couplings)]
     owners = [owner for each in motions for owner in each.owners]
-    dense = scipy.linalg.block_diag(*(each.modes for each in motions))
-    springs = scipy.linalg.block_diag(*(each.springs for each in motions))
+    dense, springs = along_diagonal([m.modes for m in motions]), along_diagonal([m.springs for m in motions])
     return RigidMotions(dense, springs, contacts, owners, max(each.stiffness_scale for each in motions))
 
 
