@@ -104,8 +104,9 @@ def solve(
             others from undeformed bodies, of which floating ones are moved until their contacts close.
         previous: u_n of the iterate before the start (length), for the two-point methods; by default the start itself.
         local_solver: "condensed" (each body is condensed once to the displacements at its contacts, by a Schur
-            complement; the default up to a size), "assembled" (each body's full matrix is assembled and factored in
-            every iteration), "multigrid" (nothing is factored, for large solids), a registered name, or "auto".
+            complement), "assembled" (each body's full matrix is assembled and factored in every iteration), "multigrid"
+            (nothing is factored, for large solids), a registered name, or "auto": condensed or multigrid, whichever is
+            estimated to cost less; `history` notes the estimates for large solids.
         callback: A function of each iteration's `Record`; the run ends when it returns True.
         progress: Whether a progress bar is shown, by default on a terminal or in a notebook.
         on_failure: "raise" an error, or "return" the last iterate as a solution with its status.
@@ -167,6 +168,8 @@ def solve(
         scene = _remembering(scene, file)
     ensemble = _ensemble(scene, scheme, local_solver)
     step = find_step(scheme, ensemble, ranks)
+    if local_solver == "auto" and scene.estimates:
+        step.note = ", ".join(filter(None, (step.note, *scene.estimates)))
     run: Run | AugmentedRun
     if file is not None and resume and ranks.once(file.exists):
         run = Run(ensemble, ranks, scheme, step, *read(file, ensemble, scheme.name, ranks))
