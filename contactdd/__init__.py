@@ -52,6 +52,7 @@ from .surface_result import SurfaceResult
 if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
+    from .dual.bound import EnergyBound, energy_bound
     from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
@@ -80,6 +81,7 @@ _LATER = {
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
     "ElasticStrip": "partners.periodic",
+    "EnergyBound": "dual.bound",
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
@@ -104,6 +106,7 @@ _LATER = {
     "TableLayer": "layers.table",
     "VaryingLayer": "layers.varying",
     "adapt": "adaptation",
+    "energy_bound": "dual.bound",
     "from_gmsh": "files",
     "load_solution": "saved",
     "read_bodies": "files",
@@ -133,6 +136,7 @@ __all__ = [
     "DenseSystem",
     "Displacement",
     "ElasticStrip",
+    "EnergyBound",
     "ErrorEstimate",
     "Estimated",
     "ExponentialLayer",
@@ -195,6 +199,7 @@ __all__ = [
     "adapt",
     "box",
     "compat",
+    "energy_bound",
     "error_estimate",
     "from_dolfinx",
     "from_gmsh",
