@@ -270,16 +270,19 @@ def _cell_influences(estimate: ErrorEstimate) -> list[Floats]:
         if body.mesh is None:
             found.append(np.zeros(0))
             continue
-        influence = fem.Function(body.space)
-        influence.x.array[:] = z
-        shown = fem.Function(own.space)
-        shown.interpolate(influence)
-        within = fem.Function(body.space)
-        within.interpolate(shown)
-        influence.x.array[:] -= within.x.array
-        energies = [_cell_energies(body, each) for each in (estimate.displacement_error(body.name), influence)]
+        error = estimate.displacement_error(body.name).x.array
+        energies = _cell_energies(body, [error, z - _shown(z, body, own)])
         found.append(np.sqrt(energies[0] * energies[1]))
     return found
+
+
+def _shown(z: Floats, body: Body, own: Body) -> Floats:
+    """A displacement (dofs,) of a body as the elements of a lower degree show it."""
+    whole, shown, again = (fem.Function(each.space) for each in (body, own, body))
+    whole.x.array[:] = z
+    shown.interpolate(whole)
+    again.interpolate(shown)
+    return again.x.array
 
 
 def _errors_at_better_points(estimate: ErrorEstimate) -> list[Floats]:
@@ -288,10 +291,14 @@ def _errors_at_better_points(estimate: ErrorEstimate) -> list[Floats]:
     return [estimate.solution.contact_at(interface)[1] - contact.better.pressure for interface, contact in contacts]
 
 
-def _cell_energies(body: Body, u: fem.Function) -> Floats:
-    """∫ σ(u) : ε(u) over every cell of a body, (cells,)."""
-    element = basix.ufl.element("DG", body.mesh.domain.topology.cell_name(), 0)
+def _cell_energies(body: Body, displacements: Sequence[Floats]) -> list[Floats]:
+    """∫ σ(u) : ε(u) over every cell of a body, (cells,) for each u (dofs,)."""
+    u, element = fem.Function(body.space), basix.ufl.element("DG", body.mesh.domain.topology.cell_name(), 0)
     cellwise = ufl.TestFunction(fem.functionspace(body.mesh.domain, element))
     density = ufl.inner(body.stress(u), body.kinematics.strain(u))
-    form = body.elements.over_volume(density * cellwise, body.elastic_metadata)
-    return np.maximum(fem.assemble_vector(compat.form(form)).array, 0.0)  # nothing may round below it
+    form = compat.form(body.elements.over_volume(density * cellwise, body.elastic_metadata))
+    found = []
+    for values in displacements:
+        u.x.array[:] = values
+        found.append(np.maximum(fem.assemble_vector(form).array, 0.0))  # nothing may round below it
+    return found

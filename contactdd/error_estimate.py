@@ -342,13 +342,12 @@ def _compared(solution: Solution, better: Solution, index: int) -> ContactErrorE
     """Both solutions of a contact at the points of the first."""
     interface, result, best = solution.interfaces[index], solution.contact(index), better.contact(index)
     gap, pressure = better.contact_at(interface)
-    nodes, nodal = best.node_x, best.nodal_pressure
-    if not result.hard and result.stiffness_ratio > STIFF and nodes is not None and nodal is not None:
+    if not result.hard and result.stiffness_ratio > STIFF:
         # The law's own pressure wavers between points that are not its own. That of nodes is as sure as the solution's.
         if interface.gathered is not None:
-            pressure = nodal[_nearest(result.x, nodes)]
+            pressure = best.nodal_pressure[_nearest(result.x, best.node_x)]
         elif result.wavers or interface.rule.name == "facet":
-            pressure = interface.functions.at_values @ nodal
+            pressure = interface.functions.at_values @ best.nodal_pressure
     return ContactErrorEstimate(interface.contact.name, result, best, gap, pressure)
 
 
