@@ -8,16 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import basix.ufl
 import numpy as np
-import ufl
 from dolfinx import fem
 
-from .base import compat
 from .base.arrays import Floats, Integers
 from .base.checks import as_count, check_choice, positive
 from .body import Body
-from .error_estimate import ErrorEstimate, error_estimate
+from .error_estimate import ErrorEstimate, cell_energies, error_estimate
 from .errors import ContactWarning
 from .interface.surface import ContactSurface
 from .meshless import MeshlessBody
@@ -271,7 +268,7 @@ def _cell_influences(estimate: ErrorEstimate) -> list[Floats]:
             found.append(np.zeros(0))
             continue
         error = estimate.displacement_error(body.name).x.array
-        energies = _cell_energies(body, [error, z - _shown(z, body, own)])
+        energies = cell_energies(body, [error, z - _shown(z, body, own)])
         found.append(np.sqrt(energies[0] * energies[1]))
     return found
 
@@ -289,16 +286,3 @@ def _errors_at_better_points(estimate: ErrorEstimate) -> list[Floats]:
     """p − p_better at the points of the better solution's contacts."""
     contacts = zip(estimate.better.interfaces, estimate.contacts, strict=True)
     return [estimate.solution.contact_at(interface)[1] - contact.better.pressure for interface, contact in contacts]
-
-
-def _cell_energies(body: Body, displacements: Sequence[Floats]) -> list[Floats]:
-    """∫ σ(u) : ε(u) over every cell of a body, (cells,) for each u (dofs,)."""
-    u, element = fem.Function(body.space), basix.ufl.element("DG", body.mesh.domain.topology.cell_name(), 0)
-    cellwise = ufl.TestFunction(fem.functionspace(body.mesh.domain, element))
-    density = ufl.inner(body.stress(u), body.kinematics.strain(u))
-    form = compat.form(body.elements.over_volume(density * cellwise, body.elastic_metadata))
-    found = []
-    for values in displacements:
-        u.x.array[:] = values
-        found.append(np.maximum(fem.assemble_vector(form).array, 0.0))  # nothing may round below it
-    return found

@@ -13,11 +13,15 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
+import basix.ufl
 import numpy as np
+import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from .base import compat
 from .base.arrays import Floats, Indices
 from .base.checks import as_count
 from .body import Body
@@ -214,6 +218,40 @@ class ErrorEstimate:
         function.x.array[:] = self._differences[index]
         return function
 
+    def cell_errors(self, body: str | Body) -> Floats:
+        """The energy of the displacement's error in every cell of a body, ½ ∫ σ(e) : ε(e), (cells,) (force · length).
+
+        Args:
+            body: Its name or the `Body`.
+
+        Raises:
+            ValueError: The body has no mesh.
+        """
+        error = self.displacement_error(body)
+        owner = self.better.scene.bodies[self.solution.scene.body_index(body)]
+        return 0.5 * cell_energies(owner, [error.x.array])[0]
+
+    def plot(self, **options: Any) -> Any:
+        """A matplotlib figure of every contact's pressure with its error, and of the bodies' errors cell by cell.
+
+        The bodies are drawn in the plane only, coloured by the energy of the error per volume.
+
+        Args:
+            options: `path`, `stress_unit`, `length_unit`, see `view.error_plot.plot_error`.
+        """
+        from .view.error_plot import CellErrors, ContactError, plot_error
+
+        drawn = [ContactError(each.name, each.result, each.pressure_error) for each in self.contacts]
+        plane = [body for body in self.solution.scene.bodies if body.mesh is not None and body.mesh.dim == 2]
+        cells = [CellErrors(outlines(body.mesh.domain), self._density(body)) for body in plane]
+        return plot_error(drawn, cells, **options)
+
+    def _density(self, body: Body) -> Floats:
+        """The energy of the error in every cell, by its volume."""
+        cellwise = ufl.TestFunction(fem.functionspace(body.mesh.domain, ("DG", 0)))
+        volumes: Floats = fem.assemble_vector(compat.form(body.elements.over_volume(cellwise))).array
+        return self.cell_errors(body) / volumes
+
     @cached_property
     def _differences(self) -> list[Floats]:
         """u − u_better of every body in the better solution's unknowns."""
@@ -380,3 +418,23 @@ def _largest(u: Floats, dim: int) -> float:
 def _ratio(part: float, whole: float) -> float:
     """part / whole; 0 of nothing, infinite where only the whole is zero."""
     return part / whole if whole != 0.0 else (0.0 if part == 0.0 else np.inf)
+
+
+def cell_energies(body: Body, displacements: Sequence[Floats]) -> list[Floats]:
+    """∫ σ(u) : ε(u) over every cell of a body, (cells,) for each u (dofs,)."""
+    u, element = fem.Function(body.space), basix.ufl.element("DG", body.mesh.domain.topology.cell_name(), 0)
+    cellwise = ufl.TestFunction(fem.functionspace(body.mesh.domain, element))
+    density = ufl.inner(body.stress(u), body.kinematics.strain(u))
+    form = compat.form(body.elements.over_volume(density * cellwise, body.elastic_metadata))
+    found = []
+    for values in displacements:
+        u.x.array[:] = values
+        found.append(np.maximum(fem.assemble_vector(form).array, 0.0))  # nothing may round below it
+    return found
+
+
+def outlines(domain: Any) -> Floats:
+    """The corners (cells, corners, 2) of plane cells, in order around each."""
+    corners = compat.geometry_dofmap(domain)
+    around = [0, 1, 3, 2] if domain.topology.cell_name() == "quadrilateral" else [0, 1, 2]
+    return domain.geometry.x[corners[:, around], :2]
