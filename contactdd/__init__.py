@@ -16,6 +16,7 @@ from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
 from .contact_result import ContactResult
+from .contact_sides import ContactSides
 from .error_estimate import ContactErrorEstimate, ErrorEstimate, Estimated, error_estimate
 from .errors import (
     CheckpointError,
@@ -31,7 +32,7 @@ from .errors import (
 from .hard_contact import HardContact
 from .history import History, Record
 from .layer import Layer, LinearLayer, PowerLayer
-from .load import BodyForce, Pressure, Resultant, Traction
+from .load import BodyForce, BodyLoad, Pressure, Resultant, Traction
 from .local.choose import LOCAL_SOLVERS, register_local_solver
 from .local.dense import DenseSystem
 from .local.problem import ContactTrace, Fields, LocalProblem
@@ -42,32 +43,39 @@ from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import LoadPath, StepFailedError, programme
+from .relaxation import Correction
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import Solution
 from .solve import solve
-from .support import Displacement, Fixed, Spring, Symmetry
+from .support import Displacement, Fixed, PointDisplacement, Spring, Symmetry
 from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
+    from .decks import read_scene
     from .dual.bound import EnergyBound, energy_bound
-    from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
+    from .eigenstrain import Eigenstrain, ThermalStrain
+    from .files import from_gmsh, read_bodies, read_geometry, read_gmsh, read_mesh
+    from .layers.bonded import BondedLayer
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
+    from .layers.gasket import GasketLayer
     from .layers.hyperbolic import HyperbolicLayer
     from .layers.logarithmic import LogarithmicLayer
     from .layers.rough import GreenwoodWilliamsonLayer
     from .layers.series import SeriesLayer
     from .layers.table import TableLayer
     from .layers.varying import VaryingLayer
+    from .linear_form import LinearForm
     from .partners.half_plane import HalfPlane
     from .partners.half_space import AxisymmetricHalfSpace, HalfSpace
     from .partners.mirror_plane import MirrorPlane
     from .partners.periodic import ElasticStrip, PeriodicHalfPlane
     from .partners.periodic_half_space import PeriodicHalfSpace
     from .partners.rigid_body import RigidBody
+    from .point_force import PointForce
     from .saved import SavedSolution, load_solution
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
@@ -77,25 +85,30 @@ if TYPE_CHECKING:
 _LATER = {
     "Adaptation": "adaptation",
     "AxisymmetricHalfSpace": "partners.half_space",
+    "BondedLayer": "layers.bonded",
     "Cone": "shapes",
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
+    "Eigenstrain": "eigenstrain",
     "ElasticStrip": "partners.periodic",
     "EnergyBound": "dual.bound",
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
+    "GasketLayer": "layers.gasket",
     "GreenwoodWilliamsonLayer": "layers.rough",
     "HalfPlane": "partners.half_plane",
     "HalfSpace": "partners.half_space",
     "HyperbolicLayer": "layers.hyperbolic",
     "LevelSet": "shapes",
+    "LinearForm": "linear_form",
     "LogarithmicLayer": "layers.logarithmic",
     "MirrorPlane": "partners.mirror_plane",
     "OverclosureLayer": "layers.exponential",
     "PeriodicHalfPlane": "partners.periodic",
     "PeriodicHalfSpace": "partners.periodic_half_space",
     "Plane": "shapes",
+    "PointForce": "point_force",
     "Profile": "shapes",
     "RigidBody": "partners.rigid_body",
     "Round": "adaptation",
@@ -104,14 +117,17 @@ _LATER = {
     "Shape": "shapes",
     "Sphere": "shapes",
     "TableLayer": "layers.table",
+    "ThermalStrain": "eigenstrain",
     "VaryingLayer": "layers.varying",
     "adapt": "adaptation",
     "energy_bound": "dual.bound",
     "from_gmsh": "files",
     "load_solution": "saved",
     "read_bodies": "files",
+    "read_geometry": "files",
     "read_gmsh": "files",
     "read_mesh": "files",
+    "read_scene": "decks",
 }
 
 __all__ = [
@@ -122,19 +138,24 @@ __all__ = [
     "AxisymmetricHalfSpace",
     "Body",
     "BodyForce",
+    "BodyLoad",
     "BodyResult",
+    "BondedLayer",
     "CheckpointError",
     "Cone",
     "Contact",
     "ContactError",
     "ContactErrorEstimate",
     "ContactResult",
+    "ContactSides",
     "ContactTrace",
     "ContactWarning",
+    "Correction",
     "CustomLayer",
     "Cylinder",
     "DenseSystem",
     "Displacement",
+    "Eigenstrain",
     "ElasticStrip",
     "EnergyBound",
     "ErrorEstimate",
@@ -144,6 +165,7 @@ __all__ = [
     "Fields",
     "Fixed",
     "FlatPunch",
+    "GasketLayer",
     "GreenwoodWilliamsonLayer",
     "HalfPlane",
     "HalfSpace",
@@ -155,6 +177,7 @@ __all__ = [
     "Layer",
     "LayerRangeWarning",
     "LevelSet",
+    "LinearForm",
     "LinearLayer",
     "LoadPath",
     "LocalProblem",
@@ -174,6 +197,8 @@ __all__ = [
     "PeriodicHalfPlane",
     "PeriodicHalfSpace",
     "Plane",
+    "PointDisplacement",
+    "PointForce",
     "PowerLayer",
     "Pressure",
     "Profile",
@@ -194,6 +219,7 @@ __all__ = [
     "SurfaceResult",
     "Symmetry",
     "TableLayer",
+    "ThermalStrain",
     "Traction",
     "VaryingLayer",
     "adapt",
@@ -207,8 +233,10 @@ __all__ = [
     "one_point",
     "programme",
     "read_bodies",
+    "read_geometry",
     "read_gmsh",
     "read_mesh",
+    "read_scene",
     "rectangle",
     "reference",
     "register_local_solver",

@@ -9,7 +9,7 @@
 # $$d(x) = r_0 \left\{\left[1 - \left((x_1 - c)/b\right)^2\right]^+\right\}^{3/2} ,$$
 #
 # so nothing in the scene is symmetric and no two meshes match. Every interface
-# carries the paper's layer, $w = -B\,p^a$ with $B = 4 \cdot 10^{-6}$ cm/MPa$^a$ and
+# carries the paper's layer, $w = -B\,p^a$ with $B = 4 \cdot 10^{-6}\ \mathrm{cm/MPa}^a$ and
 # $a = 1.1$.
 #
 # ## Why a stack is hard for a method that takes bodies one by one

@@ -24,7 +24,7 @@
 # (per mm of thickness). Both slopes are frictionless and turned by 45°, so each
 # pushes with a force $N$ along its normal, and
 #
-# $$2 N \cos 45° = P \quad\Longrightarrow\quad N = P/\sqrt2 .$$
+# $$2 N \cos 45^\circ = P \quad\Longrightarrow\quad N = P/\sqrt2 .$$
 #
 # On either block, $N$ has the horizontal part $P/2$, which pushes the blocks apart.
 # The right one, of height $H = 2$ mm at its outer side, is pushed back by $s H$;

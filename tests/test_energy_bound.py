@@ -108,8 +108,14 @@ def test_what_would_be_no_bound_is_refused():
         cd.energy_bound(pressed(layer=cd.HardContact(), quadrature="mortar"))
     low = scenes.block("low", 0, (4, 2), supports=[cd.Spring("bottom", 1e5)])
     high = scenes.block("high", 1, (4, 2), loads=[cd.Pressure("top", 10.0)])
-    with pytest.raises(ValueError, match="no springs"):
+    with pytest.raises(ValueError, match="it has a Spring; expected one of Fixed"):
         cd.energy_bound(cd.solve(scenes.stack([low, high])))
+    with pytest.raises(ValueError, match="carries tension or shear"):
+        cd.energy_bound(pressed(layer=cd.BondedLayer(cd.LinearLayer(1e6))))
+    heated = scenes.block("high", 1, (4, 2), loads=[cd.ThermalStrain(1e-5, 1.0)])
+    low = scenes.block("low", 0, (4, 2), supports=[cd.Fixed("bottom")])
+    with pytest.raises(ValueError, match="it has a ThermalStrain"):
+        cd.energy_bound(cd.solve(scenes.stack([low, heated], gap=-1e-4)))
     low = scenes.block("low", 0, (5, 2), supports=[cd.Fixed("bottom")])
     with pytest.raises(ValueError, match="facets that match"):
         cd.energy_bound(cd.solve(scenes.stack([low, high])))

@@ -24,10 +24,10 @@ from ..body import Body
 from ..error_estimate import ErrorEstimate, error_estimate
 from ..interface.discretise import Interface
 from ..layer import Layer
-from ..load import BodyForce
+from ..load import BodyForce, Pressure, Resultant, Traction
 from ..parameter import current
 from ..solution import Solution
-from ..support import Spring
+from ..support import Displacement, Fixed, Symmetry
 from .pressure import SurfacePressure, balance
 from .seen import SeenSolution, refined, unmatched
 from .stresses import EquilibratedStresses, rows, voigt
@@ -43,6 +43,9 @@ MANY = 80
 #: Facets where contact ends are cut until what polynomials cannot follow of the pressure adds less than this part of
 #: the estimated error to the bound, at most so often; each time those that add most of it.
 LOST_PART, CUTS, CUT_SHARE = 0.02, 12, 0.9
+
+#: What the stresses can be in equilibrium with.
+SUPPORTS, LOADS = (Fixed, Symmetry, Displacement), (Pressure, Traction, Resultant, BodyForce)
 
 #: Relative to the energy: of this size bounds are what rounding leaves.
 NOTHING = 1e-13
@@ -101,9 +104,9 @@ def energy_bound(solution: Solution | ErrorEstimate) -> EnergyBound:
     triangle and in equilibrium with the loads and a pressure p ≥ 0 of the contacts, which is that of a better solution,
     see `error_estimate`; facets where contact ends are cut until polynomials can follow it. No saturation is assumed
     and no constant is unknown; whatever was left of the iteration is counted. It is an upper bound in exact arithmetic,
-    of the problem with loads and prescribed displacements as the elements take them, polynomials, but for the integrals
-    over the contacts: those of laws and gaps are no polynomials and are taken by many points. All else, for which it
-    would be no bound, is refused.
+    of the problem with prescribed displacements as the elements take them and loads that are polynomials on every facet
+    of the cut meshes, but for the integrals over the contacts: those of laws and gaps are no polynomials and are taken
+    by many points. All else, for which it would be no bound, is refused.
 
     The error of the pressure is not bounded by it.
 
@@ -116,9 +119,10 @@ def energy_bound(solution: Solution | ErrorEstimate) -> EnergyBound:
     Raises:
         TypeError: It is neither.
         ValueError: The scene is none of bodies in plane strain or plane stress of straight triangles and a constant
-            material, without springs, loads by UFL expressions or body forces that vary, whose contacts have a layer
-            and facets that match; or its loads and pressures admit no symmetric stress that is continuous, as shear
-            that ends at a free corner does not.
+            material, with no other supports than fixed or prescribed displacements and planes of symmetry and no other
+            loads than tractions and constant body forces, none of them a UFL expression, whose contacts have a layer
+            that only presses and facets that match; or its loads and pressures admit no symmetric stress that is
+            continuous, as shear that ends at a free corner does not.
 
     Example:
         >>> import contactdd as cd
@@ -146,7 +150,7 @@ def _bound(solution: Solution, better: Solution) -> EnergyBound:
     own, pressures, parts = _resolved(SeenSolution.of(solution), SeenSolution.of(better), degree)
     pairs = zip(own.bodies, own.displacements, strict=True)
     cells = tuple(_body_parts(body, u, pressures, degree) for body, u in pairs)
-    energy = solution.energy - solution.layer_energy + sum(part.layer for part in parts)
+    energy = _sum_of(own) + sum(part.layer for part in parts)
     return EnergyBound(solution, energy, own.bodies, cells, tuple(part.gap for part in parts))
 
 
@@ -186,13 +190,16 @@ def _resolved(
 
 def _fallen(own: SeenSolution, better: SeenSolution, parts: Sequence[_ContactPart]) -> float:
     """F₁(u_h) less that of the better solution."""
-    bodies = sum(_energy(*each) for each in zip(own.bodies, own.displacements, strict=True))
-    others = sum(_energy(*each) for each in zip(better.bodies, better.displacements, strict=True))
-    return bodies - others + sum(part.layer - part.better for part in parts)
+    return _sum_of(own) - _sum_of(better) + sum(part.layer - part.better for part in parts)
+
+
+def _sum_of(seen: SeenSolution) -> float:
+    """½ A(u, u) − L(u) of all bodies."""
+    return sum(_energy(*each) for each in zip(seen.bodies, seen.displacements, strict=True))
 
 
 def _energy(body: Body, u: fem.Function) -> float:
-    """½ a(u, u) − l(u)."""
+    """½ a(u, u) − l(u) of a body."""
     forms = [0.5 * body.elastic_form(u, u), *(-load.form(body.elements, u) for load in body.loads)]
     return float(sum(fem.assemble_scalar(compat.form(form)) for form in forms))
 
@@ -239,8 +246,10 @@ def _check_body(body: Body) -> None:
         raise ValueError(f"body {body.name!r}: expected plane strain or plane stress, not a body of revolution")
     if body.material.varies:
         raise ValueError(f"body {body.name!r}: expected a constant material")
-    if any(isinstance(support, Spring) for support in body.supports):
-        raise ValueError(f"body {body.name!r}: expected no springs")
+    for item, known in ((each, kinds) for of, kinds in ((body.supports, SUPPORTS), (body.loads, LOADS)) for each in of):
+        if not isinstance(item, known):
+            names = ", ".join(kind.__name__ for kind in known)
+            raise ValueError(f"body {body.name!r}: it has a {type(item).__name__}; expected one of {names}")
     body.refuse_expressions()
     for load in body.loads:
         if isinstance(load, BodyForce) and callable(current(load.value)):
@@ -251,6 +260,11 @@ def _check_contact(interface: Interface) -> None:
     name = interface.contact.name
     if interface.hard:
         raise ValueError(f"contact {name!r}: it is hard, any penetration costs infinite energy; expected a layer")
+    layer = interface.contact.layer
+    if interface.layer.bonded or interface.layer.remembers or interface.contact.sliding is not None:
+        raise ValueError(
+            f"contact {name!r}: layer = {layer!r} carries tension or shear, or remembers; expected another"
+        )
     if interface.facets is None:
         raise ValueError(f"contact {name!r}: expected facets that match")
     first, second = (side.meshed for side in interface.sides)
