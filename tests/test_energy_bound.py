@@ -30,6 +30,16 @@ def test_a_column():
     assert bound.least_energy == pytest.approx(exact, rel=1e-10)
 
 
+@pytest.mark.parametrize(("degree", "cells"), [(1, 8), (1, 16), (2, 4)])
+def test_the_exact_energy_of_the_groove(degree, cells):
+    """The energy of the semi-analytic solution, elastic and layer's less the work of the loads, lies in between."""
+    exact = cd.reference.groove()
+    energy = exact.elastic_energy + exact.layer_energy - scenes.LOAD * scenes.LENGTH * exact.approach
+    bound = cd.energy_bound(cd.solve(scenes.pressed((2 * cells, cells), degree=degree)))
+    assert bound.least_energy < energy < bound.energy
+    assert bound.error < 1.1 * (bound.energy - energy)  # measured: 1.013 to 1.018
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_random_blocks(seed):
     """Never below the error that a far finer solution tells of, and at most twice it."""

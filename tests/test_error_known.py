@@ -37,6 +37,7 @@ def test_error_known(tmp_path):
     told = [row["effectivity"] for row in summary["rows"]]
     assert all(0.5 < each < 2.5 for each in told)
     assert 0.7 < summary["median_effectivity"] < 1.4
+    assert all(1.0 <= row["effectivity"] < 2.0 for row in summary["bounds"])
     for row in chain(*summary["adapted"]):
         assert row["true_error"] < 2 * row["accuracy"]
     assert is_picture(tmp_path / "error_known.png")

@@ -7,7 +7,8 @@ cylinder of Hertz on blocks of sixteen widths of the contact, with a layer that 
 punch with corners and three blocks are compared with solutions on meshes made for a far smaller error: closed forms are
 those of infinite bodies without a layer, which these are not to the accuracy needed.
 
-Then meshes made for an accuracy (`cd.adapt`) against uniform ones on the groove: unknowns and CPU time to an error.
+Then the bound of the energy's error (`cd.energy_bound`) on the groove, whose exact energy is known, and meshes made for
+an accuracy (`cd.adapt`) against uniform ones there: unknowns and CPU time to an error.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import chain, pairwise
+from itertools import chain, pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -261,6 +262,23 @@ def uniform(degree: int, sizes: Sequence[int]) -> list[dict[str, Any]]:
     return rows
 
 
+def bounded(degree: int, n: int) -> dict[str, Any]:
+    """The bound of the energy's error (`cd.energy_bound`) on the groove, whose exact energy is known."""
+    exact = cd.reference.groove()
+    energy = exact.elastic_energy + exact.layer_energy - 10.0 * exact.length * exact.approach
+    solution = cd.solve(groove(n, degree).make())
+    cd.energy_bound(solution)  # compiles
+    began = time.process_time()
+    bound = cd.energy_bound(solution)
+    error = bound.energy - energy
+    spent = time.process_time() - began
+    count, ratio = unknowns(solution.scene), bound.error / error
+    return {
+        "element": f"P{degree}", "unknowns": count, "true_error": error, "bound": bound.error, "effectivity": ratio,
+        "norm": bound.relative, "cpu_seconds": spent,
+    }  # fmt: skip
+
+
 def rate(rows: Sequence[dict[str, Any]], by: str = "unknowns") -> float:
     """The fitted power with which the true error falls."""
     return float(-np.polyfit(np.log([row[by] for row in rows]), np.log([row["true_error"] for row in rows]), 1)[0])
@@ -296,7 +314,7 @@ def draw(rows: list[dict[str, Any]], even: list[Any], made: list[Any], path: Pat
     ends = np.array([min(row["true_error"] for row in rows), max(row["true_error"] for row in rows)])
     for factor, style in ((1.0, "k-"), (0.5, "k:"), (2.5, "k:")):
         left.loglog(ends, factor * ends, style, linewidth=0.8)
-    title = "uniform (o) and adapted (×); dotted: effectivity 0.5 and 2.5"
+    title = "o uniform, × adapted; dotted: effectivity 0.5, 2.5"
     left.set(xlabel="true relative L² error of p", ylabel="estimate", title=title)
     left.legend(fontsize="small")
     for axes, what, name in ((middle, "unknowns", "degrees of freedom"), (right, "cpu_seconds", "CPU time (s)")):
@@ -323,6 +341,12 @@ def main() -> None:
         print(f"{row['scene']:20} {row['element']:10} {row['unknowns']:8d} {numbers}", flush=True)
     told = np.array([row["effectivity"] for row in rows])
     print(f"effectivity from {told.min():.2f} to {told.max():.2f}, median {np.median(told):.2f}\n")
+    print(f"{'energy':7} {'unknowns':>8} {'true':>9} {'bound':>9} {'eff.':>6} {'CPU s':>6}")
+    bounds = [bounded(k, n) for k, n in (((1, 4), (2, 4)) if report.quick else product((1, 2, 3), (4, 8, 16)))]
+    for row in bounds:
+        numbers = f"{row['true_error']:9.2e} {row['bound']:9.2e} {row['effectivity']:6.3f} {row['cpu_seconds']:6.2f}"
+        print(f"{row['element']:7} {row['unknowns']:8d} {numbers}")
+    print()
     sizes = ((32, 64), (16, 32)) if report.quick else ((16, 32, 64, 128, 256), (8, 16, 32, 64, 96))
     wanted = ((1e-2, 5e-3), (3e-3, 1e-3)) if report.quick else ((1e-2, 1e-3, 3e-4, 1e-4), (1e-2, 1e-3, 1e-4, 3e-5))
     even, made = ([make(k + 1, each[k]) for k in (0, 1)] for make, each in ((uniform, sizes), (adapted, wanted)))
@@ -338,7 +362,7 @@ def main() -> None:
             f"N^-{each['rate']:.2f}, uniform N^-{each['uniform_rate']:.2f}"
         )
     draw(rows, even, made, report.path("error_known.png"))
-    numbers = {"rows": rows, "adapted": made, "uniform": even, "gains": gains}
+    numbers = {"rows": rows, "adapted": made, "uniform": even, "gains": gains, "bounds": bounds}
     report.summary(numbers | {"median_effectivity": float(np.median(told))})
 
 
