@@ -132,7 +132,7 @@ def energy_bound(solution: Solution | ErrorEstimate) -> EnergyBound:
         >>> high = cd.Body("high", meshes[1], steel, loads=[cd.Pressure("top", lambda x: 10 + x[0])])
         >>> contact = cd.Contact((low, "top"), (high, "bottom"), cd.LinearLayer(1e6))
         >>> bound = cd.energy_bound(cd.solve(cd.Scene([low, high], [contact])))
-        >>> 0 < bound.relative < 0.1
+        >>> 0 < bound.relative < 0.2
         True
     """
     if not isinstance(solution, Solution | ErrorEstimate):
