@@ -30,6 +30,7 @@ from .interface.discretise import Interface, discretise
 from .interface.surface import PointSurface
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
+from .system.joint_motions import settled
 
 if TYPE_CHECKING:
     from .layers.gasket import GasketAtPoints
@@ -624,15 +625,9 @@ class Solution:
 
         Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
         """
-        motions = self._ensemble.rigid
-        if motions.modes.shape[1] == 0 or motions.unresisted.shape[1] == 0:
-            return fields
-        moves = []
-        parts = motions.by_owner(motions.unresisted)
-        for problem, owner, part in zip(self._ensemble.problems, motions.owners, parts, strict=True):
-            moves.append(problem.dofs.rigid_displacements(owner.coefficients @ part))
-        drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
-        return [replace(f, displacement=f.displacement - move @ drift) for f, move in zip(fields, moves, strict=True)]
+        problems, motions = self._ensemble.problems, self._ensemble.rigid
+        displacements = settled(problems, motions, [field.displacement for field in fields])
+        return [replace(f, displacement=u) for f, u in zip(fields, displacements, strict=True)]
 
     def _closed(self, interface: Interface) -> Floats:
         """u_αn + u_βn at the points of an interface, (points,), from the condensed unknowns where they suffice."""
