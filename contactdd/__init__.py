@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
     from .decks import read_scene
+    from .dual.bound import EnergyBound, energy_bound
     from .eigenstrain import Eigenstrain, ThermalStrain
     from .files import from_gmsh, read_bodies, read_geometry, read_gmsh, read_mesh
     from .layers.bonded import BondedLayer
@@ -90,6 +91,7 @@ _LATER = {
     "Cylinder": "shapes",
     "Eigenstrain": "eigenstrain",
     "ElasticStrip": "partners.periodic",
+    "EnergyBound": "dual.bound",
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
@@ -118,6 +120,7 @@ _LATER = {
     "ThermalStrain": "eigenstrain",
     "VaryingLayer": "layers.varying",
     "adapt": "adaptation",
+    "energy_bound": "dual.bound",
     "from_gmsh": "files",
     "load_solution": "saved",
     "read_bodies": "files",
@@ -154,6 +157,7 @@ __all__ = [
     "Displacement",
     "Eigenstrain",
     "ElasticStrip",
+    "EnergyBound",
     "ErrorEstimate",
     "Estimated",
     "ExponentialLayer",
@@ -221,6 +225,7 @@ __all__ = [
     "adapt",
     "box",
     "compat",
+    "energy_bound",
     "error_estimate",
     "from_dolfinx",
     "from_gmsh",

@@ -434,6 +434,28 @@ class Solution:
 
         return closing_stiffness(self._ensemble, self.scene.ranks, self._state.gaps, self._contact_index(contact))
 
+    def influence(self, factors: Sequence[Floats]) -> list[Floats]:
+        """The influence of forces on weighted contact pressures: displacements z, (dofs,) of every body.
+
+        Small forces F at all degrees of freedom change Σ ∫ f p over the contacts by F·z: what a cell's or a load's
+        error does to the pressures, from the adjoint of the tangent (17). Collective: on several ranks all have to call
+        it.
+
+        Args:
+            factors: f at the points of every contact, (points,) each, in the scene's order.
+
+        Raises:
+            ValueError: There are not as many factors as points.
+            LooseBodyError: The closed contacts leave a body free.
+        """
+        from .iteration.influence import influence
+
+        wanted = [(len(interface.weights),) for interface in self.interfaces]
+        if [np.shape(each) for each in factors] != wanted:
+            raise ValueError(f"factors of shapes {[np.shape(f) for f in factors]}: expected {wanted}, as the points")
+        sliding = [np.zeros(len(other.weights)) for other in self._ensemble.interfaces[len(wanted) :]]
+        return influence(self._ensemble, self.scene.ranks, self._state.gaps, [*factors, *sliding])
+
     @cached_property
     def strain_sizes(self) -> list[StrainSize]:
         """The largest strain and rotation of each body that has a mesh, in the order of the scene's bodies."""

@@ -41,7 +41,7 @@ LEVELS = [
     ["doubts"],
     ["solve"],
     ["error_estimate"],
-    ["adaptation"],
+    ["adaptation", "dual"],
     ["programme"],
 ]
 LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}

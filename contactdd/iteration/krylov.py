@@ -34,8 +34,8 @@ class Krylov:
 
     #: Modes below this are put into the coarse space; 0.2 bounds the condition of the rest by about 10.
     LOWEST = 0.2
-    #: Reduction of the residual of each Newton correction by the Krylov method: with 1e-4 the bodies take more than
-    #: a quarter more solves, with 1e-2 Newton's method takes a step more.
+    #: Reduction of the residual of each Newton correction by the Krylov method: with 1e-4 bodies take a quarter more
+    #: solves, with 1e-2 Newton's method a step more.
     FORCING = 1e-3
 
     def __init__(self, ensemble: Ensemble, ranks: Ranks, note: str = "") -> None:
