@@ -68,11 +68,12 @@ if TYPE_CHECKING:
     from .partners.periodic_half_space import PeriodicHalfSpace
     from .partners.rigid_body import RigidBody
     from .saved import SavedSolution, load_solution
+    from .scene_file import SceneFile, SceneFileError, read_scene
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
 
 #: Where that is which most scenes don't use, imported when first asked for: layer laws, bodies without a mesh and their
-#: shapes, files, adaptation.
+#: shapes, files, saved solutions, adaptation.
 _LATER = {
     "Adaptation": "adaptation",
     "AxisymmetricHalfSpace": "partners.half_space",
@@ -98,6 +99,8 @@ _LATER = {
     "RigidBody": "partners.rigid_body",
     "Round": "adaptation",
     "SavedSolution": "saved",
+    "SceneFile": "scene_file",
+    "SceneFileError": "scene_file",
     "SeriesLayer": "layers.series",
     "Shape": "shapes",
     "Sphere": "shapes",
@@ -109,6 +112,7 @@ _LATER = {
     "read_bodies": "files",
     "read_gmsh": "files",
     "read_mesh": "files",
+    "read_scene": "scene_file",
 }
 
 __all__ = [
@@ -180,6 +184,8 @@ __all__ = [
     "Round",
     "SavedSolution",
     "Scene",
+    "SceneFile",
+    "SceneFileError",
     "Scheme",
     "SeriesLayer",
     "Shape",
@@ -204,6 +210,7 @@ __all__ = [
     "read_bodies",
     "read_gmsh",
     "read_mesh",
+    "read_scene",
     "rectangle",
     "reference",
     "register_local_solver",

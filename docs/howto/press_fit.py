@@ -8,7 +8,8 @@
 # $M = E_c(1-\nu_c)/((1+\nu_c)(1-2\nu_c))$: it is bonded, thin, and cannot bulge sideways. Lamé's rings (free ends,
 # plane stress) with inner, common and outer radius $i, c, o$ give
 #
-# $$ \frac{\delta}{p} = \frac{c}{E} \left[ \frac{o^2 + c^2}{o^2 - c^2} + \frac{c^2 + i^2}{c^2 - i^2} \right] + \frac{h}{M} . $$
+# $$ \frac{\delta}{p} = \frac{c}{E} \left[ \frac{o^2 + c^2}{o^2 - c^2} + \frac{c^2 + i^2}{c^2 - i^2} \right]
+#    + \frac{h}{M} . $$
 
 # %%
 import contactdd as cd
