@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -43,10 +42,8 @@ def notebook(text: str) -> Any:
 
 
 def copy(_: Any) -> None:
-    """Bring the demos, the notebook and the pictures into the site's sources."""
-    (PAGES / "pictures").mkdir(parents=True, exist_ok=True)
-    for picture in (DEMOS / "pictures").glob("*.png"):
-        shutil.copy2(picture, PAGES / "pictures" / picture.name)
+    """Bring the demos and the notebook into the site's sources."""
+    PAGES.mkdir(exist_ok=True)
     for script in DEMOS.glob("*.py"):
         write(PAGES / script.name, page(script))
     write(PAGES / "notebook.ipynb", (DEMOS / "groove.ipynb").read_text())
