@@ -116,7 +116,8 @@ def installed() -> Iterator[str]:
 
     version = sys.modules[__package__].__version__
     yield f"contactdd {version} in {Path(__file__).parent}"
-    yield f"Python {sys.version.split()[0]}, dolfinx {dolfinx.__version__}, {MPI.Get_library_version().split(',')[0]}"
+    mpi = " ".join(MPI.Get_library_version().splitlines()[0].split(",")[0].split())
+    yield f"Python {sys.version.split()[0]}, dolfinx {dolfinx.__version__}, {mpi}"
     petsc = ".".join(map(str, PETSc.Sys.getVersion()))
     packages = [f"{name} {'yes' if has_package(name) else 'no'}" for name in ("mumps", "hypre")]
     yield f"PETSc {petsc}, {', '.join(packages)}"

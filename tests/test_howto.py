@@ -11,10 +11,12 @@ from test_demos import is_picture, prose
 
 PAGES = sorted((Path(__file__).parents[1] / "docs" / "howto").glob("*.py"))
 PICTURES = {
+    "error_and_adaptivity": ["adapted.png"],
     "flange_gasket": ["gasket.png", "flange.png"],
     "imported_mesh": ["clamp.png", "pad.png"],
     "joint_stiffness": ["stiffness.png"],
     "load_cycle": ["steps.png", "multiples.png"],
+    "own_method": ["methods.png"],
     "press_fit": ["rings.png"],
     "punch_on_coating": ["punch.png"],
     "sphere_on_plate": ["sphere.png"],
