@@ -16,6 +16,7 @@ from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
 from .contact_result import ContactResult
+from .contact_sides import ContactSides
 from .error_estimate import ContactErrorEstimate, ErrorEstimate, Estimated, error_estimate
 from .errors import (
     CheckpointError,
@@ -31,7 +32,7 @@ from .errors import (
 from .hard_contact import HardContact
 from .history import History, Record
 from .layer import Layer, LinearLayer, PowerLayer
-from .load import BodyForce, Pressure, Resultant, Traction
+from .load import BodyForce, BodyLoad, Pressure, Resultant, Traction
 from .local.choose import LOCAL_SOLVERS, register_local_solver
 from .local.dense import DenseSystem
 from .local.problem import ContactTrace, Fields, LocalProblem
@@ -42,33 +43,40 @@ from .mesh import Mesh, box, from_dolfinx, rectangle
 from .meshless import MeshlessBody
 from .parameter import Parameter
 from .programme import LoadPath, StepFailedError, programme
+from .relaxation import Correction
 from .scene import Scene
 from .scheme import SCHEMES, Scheme, one_point
 from .solution import Solution
 from .solve import solve
-from .support import Displacement, Fixed, Spring, Symmetry
+from .support import Displacement, Fixed, PointDisplacement, Spring, Symmetry
 from .surface_result import SurfaceResult
 
 if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
+    from .decks import read_scene
+    from .eigenstrain import Eigenstrain, ThermalStrain
     from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
+    from .layers.bonded import BondedLayer
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
+    from .layers.gasket import GasketLayer
     from .layers.hyperbolic import HyperbolicLayer
     from .layers.logarithmic import LogarithmicLayer
     from .layers.rough import GreenwoodWilliamsonLayer
     from .layers.series import SeriesLayer
     from .layers.table import TableLayer
     from .layers.varying import VaryingLayer
+    from .linear_form import LinearForm
     from .partners.half_plane import HalfPlane
     from .partners.half_space import AxisymmetricHalfSpace, HalfSpace
     from .partners.mirror_plane import MirrorPlane
     from .partners.periodic import ElasticStrip, PeriodicHalfPlane
     from .partners.periodic_half_space import PeriodicHalfSpace
     from .partners.rigid_body import RigidBody
+    from .point_force import PointForce
     from .saved import SavedSolution, load_solution
-    from .scene_file import SceneFile, SceneFileError, read_scene
+    from .scene_file import SceneFile, SceneFileError, read_scene_file
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
 
@@ -77,24 +85,29 @@ if TYPE_CHECKING:
 _LATER = {
     "Adaptation": "adaptation",
     "AxisymmetricHalfSpace": "partners.half_space",
+    "BondedLayer": "layers.bonded",
     "Cone": "shapes",
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
+    "Eigenstrain": "eigenstrain",
     "ElasticStrip": "partners.periodic",
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
+    "GasketLayer": "layers.gasket",
     "GreenwoodWilliamsonLayer": "layers.rough",
     "HalfPlane": "partners.half_plane",
     "HalfSpace": "partners.half_space",
     "HyperbolicLayer": "layers.hyperbolic",
     "LevelSet": "shapes",
+    "LinearForm": "linear_form",
     "LogarithmicLayer": "layers.logarithmic",
     "MirrorPlane": "partners.mirror_plane",
     "OverclosureLayer": "layers.exponential",
     "PeriodicHalfPlane": "partners.periodic",
     "PeriodicHalfSpace": "partners.periodic_half_space",
     "Plane": "shapes",
+    "PointForce": "point_force",
     "Profile": "shapes",
     "RigidBody": "partners.rigid_body",
     "Round": "adaptation",
@@ -105,6 +118,7 @@ _LATER = {
     "Shape": "shapes",
     "Sphere": "shapes",
     "TableLayer": "layers.table",
+    "ThermalStrain": "eigenstrain",
     "VaryingLayer": "layers.varying",
     "adapt": "adaptation",
     "from_gmsh": "files",
@@ -112,7 +126,8 @@ _LATER = {
     "read_bodies": "files",
     "read_gmsh": "files",
     "read_mesh": "files",
-    "read_scene": "scene_file",
+    "read_scene": "decks",
+    "read_scene_file": "scene_file",
 }
 
 __all__ = [
@@ -123,19 +138,24 @@ __all__ = [
     "AxisymmetricHalfSpace",
     "Body",
     "BodyForce",
+    "BodyLoad",
     "BodyResult",
+    "BondedLayer",
     "CheckpointError",
     "Cone",
     "Contact",
     "ContactError",
     "ContactErrorEstimate",
     "ContactResult",
+    "ContactSides",
     "ContactTrace",
     "ContactWarning",
+    "Correction",
     "CustomLayer",
     "Cylinder",
     "DenseSystem",
     "Displacement",
+    "Eigenstrain",
     "ElasticStrip",
     "ErrorEstimate",
     "Estimated",
@@ -144,6 +164,7 @@ __all__ = [
     "Fields",
     "Fixed",
     "FlatPunch",
+    "GasketLayer",
     "GreenwoodWilliamsonLayer",
     "HalfPlane",
     "HalfSpace",
@@ -155,6 +176,7 @@ __all__ = [
     "Layer",
     "LayerRangeWarning",
     "LevelSet",
+    "LinearForm",
     "LinearLayer",
     "LoadPath",
     "LocalProblem",
@@ -174,6 +196,8 @@ __all__ = [
     "PeriodicHalfPlane",
     "PeriodicHalfSpace",
     "Plane",
+    "PointDisplacement",
+    "PointForce",
     "PowerLayer",
     "Pressure",
     "Profile",
@@ -196,6 +220,7 @@ __all__ = [
     "SurfaceResult",
     "Symmetry",
     "TableLayer",
+    "ThermalStrain",
     "Traction",
     "VaryingLayer",
     "adapt",
@@ -211,6 +236,7 @@ __all__ = [
     "read_gmsh",
     "read_mesh",
     "read_scene",
+    "read_scene_file",
     "rectangle",
     "reference",
     "register_local_solver",

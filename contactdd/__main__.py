@@ -38,7 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         prog="contactdd", description="Contact of elastic bodies through nonlinear layers."
     )
     commands = parser.add_subparsers(dest="command", metavar="COMMAND")
-    solving = commands.add_parser("solve", help="solve a scene in a TOML file", description=solve.__doc__)
+    solving = commands.add_parser(
+        "solve", help="solve a scene in a TOML file, or in a deck of CalculiX (.inp)", description=solve.__doc__
+    )
     solving.add_argument("file", type=Path, help="the scene")
     solving.add_argument("--out", type=Path, metavar="DIR", help="where results go, by default beside the file")
     solving.add_argument("--no-pictures", action="store_true", help="numbers only")
@@ -50,11 +52,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def solve(file: Path, out: Path | None, *, pictures: bool) -> int:
-    """Solve a scene in a TOML file; print how it ended, and write tables, pictures and files for ParaView."""
-    from .scene_file import SceneFileError, read_scene
+    """Solve a scene in a file; print how it ended, and write tables, pictures and files for ParaView."""
+    from .decks import read_scene
+    from .scene_file import SceneFile, SceneFileError, read_scene_file
 
     try:
-        solved = read_scene(file).solve()
+        deck = file.suffix.lower() == ".inp"
+        solved = (SceneFile(file, read_scene(file)) if deck else read_scene_file(file)).solve()
     except (OSError, SceneFileError) as error:
         print(f"contactdd: {error}", file=sys.stderr)
         return 2

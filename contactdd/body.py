@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 from .base import compat
 from .base.arrays import Floats
 from .base.checks import as_count, as_tuple_of
+from .coefficient_value import coefficient_values, is_ufl
 from .elements import Elements
+from .field import refuse_other_mesh
 from .kinematics import kinematics as find_kinematics
-from .load import Load
+from .load import BodyLoad, Load
 from .material import Material
 from .mesh import Mesh
-from .support import Spring, Support
+from .support import PointDisplacement, Spring, Support
 
 #: Degrees of elements from which on their stiffness' rounding is felt: at 14 a residual of 3e-12 is left on triangles,
 #: at 20 4e-10, at 30 4e-6.
@@ -45,7 +47,7 @@ class Body:
     Args:
         name: The name, unique in a scene.
         mesh: The mesh with its named surfaces.
-        material: Hooke's law (2).
+        material: Hooke's law (2); or {subdomain: material} for each of the mesh's named parts (`mesh.subdomains`).
         supports: The supports.
         loads: The loads.
         degree: The degree of the Lagrange elements.
@@ -68,7 +70,7 @@ class Body:
         self,
         name: str,
         mesh: Mesh,
-        material: Material,
+        material: Material | Mapping[str, Material],
         *,
         supports: Sequence[Support] = (),
         loads: Sequence[Load] = (),
@@ -80,6 +82,10 @@ class Body:
             raise TypeError(f"name = {name!r}: expected a text")
         if not isinstance(mesh, Mesh):
             raise TypeError(f"mesh = {mesh!r}: expected a contactdd mesh, such as cd.rectangle(...) makes")
+        if isinstance(material, Mapping):
+            from .piecewise_material import PiecewiseMaterial
+
+            material = PiecewiseMaterial(material, mesh)
         if not isinstance(material, Material):
             raise TypeError(f"material = {material!r}: expected a material, such as cd.Isotropic(E, nu)")
         self.name = name
@@ -95,6 +101,7 @@ class Body:
         self.kinematics = find_kinematics(kinematics, mesh.dim)
         self.local_solver = local_solver
         self.elements = Elements(name, mesh, self.degree, self.kinematics)
+        self._material_read = self._material_values()
         self._check_surfaces()
         self._check_radii()
         self._check_pieces()
@@ -135,15 +142,21 @@ class Body:
         return self._made_anew(mesh, self.degree)
 
     def refuse_expressions(self) -> None:
-        """Refuse supports and loads that belong to the present mesh.
+        """Refuse supports, loads and materials that belong to the present mesh.
 
         Raises:
             ValueError: One of them is a UFL expression.
         """
-        for item in (*self.supports, *self.loads):
-            if any(isinstance(value, ufl.core.expr.Expr) for value in _flat(vars(item).values())):
+        if any(isinstance(support, PointDisplacement) for support in self.supports):
+            raise ValueError(
+                f"body {self.name!r}: its PointDisplacement holds nodes of its mesh, and not those between them; "
+                "expected a Displacement of a surface"
+            )
+        given = [(type(item).__name__, vars(item).values()) for item in (*self.supports, *self.loads)]
+        for kind, values in [*given, ("material", self.material.given())]:
+            if any(is_ufl(value) for value in _flat(values)):
                 raise ValueError(
-                    f"body {self.name!r}: its {type(item).__name__} is a UFL expression, which belongs to its mesh; "
+                    f"body {self.name!r}: its {kind} is a UFL expression, which belongs to its mesh; "
                     "expected a number or a function of the coordinates"
                 )
 
@@ -152,7 +165,7 @@ class Body:
         return Body(
             self.name,
             mesh,
-            self.material,
+            getattr(self.material, "materials", self.material),
             supports=self.supports,
             loads=self.loads,
             degree=degree,
@@ -185,9 +198,20 @@ class Body:
     @cached_property
     def stiffness(self) -> Any:
         """The stiffness between the strains that take part, a UFL matrix."""
+        return self.material_coefficient(self.kinematics.reduce, self._material_element)
+
+    @property
+    def _material_element(self) -> Any:
+        """The element of the points at which a material that varies is integrated; None of one that does not."""
+        if not self.material.varies:
+            return None
         cell = compat.coordinate_map(self.mesh.domain).cell_type
-        element = basix.ufl.quadrature_element(cell, degree=self._material_degree) if self.material.varies else None
-        return self.material_coefficient(self.kinematics.reduce, element)
+        return basix.ufl.quadrature_element(cell, degree=self._material_degree)
+
+    @property
+    def _eigen_metadata(self) -> dict[str, Any] | None:
+        """The quadrature of eigenstrains; None leaves it to UFL."""
+        return {"quadrature_degree": self._material_degree} if self.material.varies else None
 
     def material_coefficient(self, reduce: Callable[[Floats], Floats], element: Any) -> Any:
         """The matrices `reduce(C)`, C the material's stiffness (..., 6, 6), as a UFL coefficient.
@@ -204,8 +228,40 @@ class Body:
             return fem.Constant(domain, reduce(self.material.stiffness()))
         shape = reduce(np.eye(6)).shape
         matrices = fem.Function(fem.functionspace(domain, basix.ufl.blocked_element(element, shape=shape)))
-        matrices.interpolate(lambda x: reduce(self.material.stiffness(x)).reshape(x.shape[1], -1).T)
+        cells = np.arange(self.mesh.cells, dtype=np.int32)
+
+        def values(x: Floats) -> Floats:
+            """The matrices at points that dolfinx gives cell by cell."""
+            here = self.stiffness_at(x, np.repeat(cells, x.shape[1] // len(cells)))
+            return reduce(here).reshape(x.shape[1], -1).T
+
+        matrices.interpolate(values)
         return matrices
+
+    def stiffness_at(self, x: Floats, cells: NDArray[np.int32]) -> Floats:
+        """The stiffness C in Voigt's notation at points, (points, 6, 6) (stress).
+
+        Args:
+            x: Points (3, points) (length).
+            cells: The cell that each lies in, (points,).
+        """
+        return self.material.within(cells).stiffness(x)
+
+    def refuse_changed_material(self) -> None:
+        """Refuse a material whose dolfinx Constants or Functions have changed since the body was made.
+
+        Raises:
+            ValueError: One has.
+        """
+        if self._material_read and self._material_values() != self._material_read:
+            raise ValueError(
+                f"body {self.name!r}: a Constant or Function in its material has changed, but its stiffness is made "
+                "once; expected a new Body and Scene for another material"
+            )
+
+    def _material_values(self) -> list[bytes]:
+        """The present values of dolfinx' Constants and Functions in the material."""
+        return [each.value.tobytes() for each in coefficient_values(self.material.given())]
 
     @property
     def _material_degree(self) -> int:
@@ -216,12 +272,38 @@ class Body:
         return 2 * self.degree + 1
 
     def stress(self, u: Any) -> Any:
-        """The stresses of the free Voigt components, a UFL vector: Hooke's law (2).
+        """The stresses of the free Voigt components, a UFL vector: Hooke's law (2), eigenstrains not taken away.
 
         Args:
             u: A displacement in UFL.
         """
         return self.stiffness * self.kinematics.strain(u)
+
+    @property
+    def has_eigenstrain(self) -> bool:
+        """Whether one of the loads is an eigenstrain, such as that of heat."""
+        return any(isinstance(load, BodyLoad) and load.is_strain for load in self.loads)
+
+    def eigenstrain(self) -> Any:
+        """The sum ε₀ of all eigenstrains, a UFL vector of six components in the order of Voigt."""
+        each = (load for load in self.loads if isinstance(load, BodyLoad) and load.is_strain)
+        return sum((load.eigenstrain(self.elements) for load in each), ufl.zero(6))
+
+    def eigenstrain_form(self, strain: Any, v: Any) -> ufl.Form:
+        """The UFL form ∫ (C : ε₀) : ε(v) dx, the load that an eigenstrain is.
+
+        Args:
+            strain: ε₀, a UFL vector of six components in the order of Voigt.
+            v: A test function.
+        """
+        matrix = self.material_coefficient(self.kinematics.eigenstress, self._material_element)
+        return self.elements.over_volume(ufl.inner(matrix * strain, self.kinematics.strain(v)), self._eigen_metadata)
+
+    def eigenstrain_energy_form(self) -> ufl.Form:
+        """The UFL form ½ ∫ ε₀ : C : ε₀ dx of all eigenstrains."""
+        strain = self.eigenstrain()
+        matrix = self.material_coefficient(self.kinematics.full_eigenstress, self._material_element)
+        return self.elements.over_volume(0.5 * ufl.inner(matrix * strain, strain), self._eigen_metadata)
 
     def elastic_form(self, u: Any, v: Any) -> ufl.Form:
         """The UFL form ∫ σ(u) : ε(v) dx, which with the springs is a(u, v).
@@ -267,6 +349,20 @@ class Body:
         """
         n = ufl.FacetNormal(self.mesh.domain)
         return self.elements.over_surface(phi * ufl.dot(u, n) * ufl.dot(v, n), surface, metadata)
+
+    def sliding_form(self, u: Any, v: Any, phi: Any, surface: str, metadata: dict[str, Any]) -> ufl.Form:
+        """The UFL form ∫ φ u_t·v_t ds over a contact surface, divided by the number of tangents.
+
+        Args:
+            u: A displacement.
+            v: A test function.
+            phi: The Robin coefficient φ (stress / length).
+            surface: The name of the surface.
+            metadata: The quadrature of the measure.
+        """
+        n = ufl.FacetNormal(self.mesh.domain)
+        sliding = ufl.dot(u, v) - ufl.dot(u, n) * ufl.dot(v, n)
+        return self.elements.over_surface(phi * sliding / (self.mesh.dim - 1), surface, metadata)
 
     def _check_radii(self) -> None:
         """Refuse a mesh of rings that crosses the axis."""
@@ -314,8 +410,14 @@ class Body:
 
     def _check_surfaces(self) -> None:
         """Refuse an unknown surface name or vectors of a wrong length now, not when the forms are made."""
+        for value in (value for value in _flat(self.material.given()) if is_ufl(value)):
+            refuse_other_mesh(f"material of body {self.name!r}", value, self.mesh.domain)
         for item in (*self.supports, *self.loads):
             if hasattr(item, "check"):
                 item.check(self.mesh.dim)
+            for value in (value for value in _flat(vars(item).values()) if is_ufl(value)):
+                refuse_other_mesh(f"{type(item).__name__} of body {self.name!r}", value, self.mesh.domain)
+            if isinstance(item, BodyLoad):
+                item.check_on(self)
             for surface in getattr(item, "surfaces", (item.surface,) if hasattr(item, "surface") else ()):
                 self.mesh.facets(surface)

@@ -178,6 +178,16 @@ class Contact:
         other.layer = layer
         return other
 
+    @property
+    def sliding(self) -> Contact | None:
+        """What resists sliding along the contact, as a contact of the same surfaces without a gap; None if nothing."""
+        law = None if isinstance(self.layer, HardContact) else self.layer.sliding
+        if law is None or any(body.mesh is None and body.mirrors for body, _ in self.sides):
+            return None  # a body and its mirror image slide together
+        other = copy(self)
+        other.layer, other.gap, other.name = law, 0.0, f"{self.name}, sliding"
+        return other
+
     def frozen(self) -> Contact:
         """The same contact with its present gap, detached from later changes of a parameter."""
         other = copy(self)

@@ -51,8 +51,8 @@ class ContactResult:
         normal: (n, dim) The outward unit normals of the first body.
         weights: (n,) The area of each point, so that weights @ f is the integral of f (area).
         gap: (n,) The deformed gap z = d − u_αn − u_βn, eq. (14) (length).
-        compression: (n,) The compression of the layer, w = min(z, 0) (length).
-        pressure: (n,) The contact pressure −σ_n >= 0 (stress).
+        compression: (n,) The compression of the layer, w = min(z, 0); of a bonded layer z (length).
+        pressure: (n,) The contact pressure −σ_n >= 0, negative where a bonded layer carries tension (stress).
         unpaired_area: The area of either surface that lies opposite nothing and is therefore outside the contact.
         initial_gap: (n,) The gap d before deformation (length).
         outline: The `corners`, or what finds them when they are first asked for; None where they are not known.
@@ -62,6 +62,12 @@ class ContactResult:
             stiffer than the elements on meshes that do not match. `pressure` is the projected one then, and the repr
             says so.
         hard: Whether there is no layer; `compression` is then the remaining penetration.
+        bonded: Whether the layer carries tension: all its points count as closed, and it has no edge.
+        slip: (n, dim) The tangential displacement of the first surface relative to the second where a bond resists it
+            (length); else None.
+        shear: (n, dim) The traction on the first body that this causes (stress); else None.
+        largest_closure: (n,) The largest closure that a gasket has seen so far, from its first touch (length); of other
+            layers None.
         nodal: The pressure as a linear field on one surface, or what finds it when it is first asked for; None where it
             is not known.
 
@@ -89,6 +95,10 @@ class ContactResult:
     wavers: bool = False
     hard: bool = False
     nodal: NodalPressure | Callable[[], NodalPressure] | None = field(default=None, repr=False, compare=False)
+    bonded: bool = False
+    slip: Floats | None = None
+    shear: Floats | None = None
+    largest_closure: Floats | None = None
 
     @cached_property
     def corners(self) -> Floats | None:
@@ -137,8 +147,8 @@ class ContactResult:
 
     @property
     def closed(self) -> NDArray[np.bool_]:
-        """The mask (n,) of the points where the layer is compressed, or a hard contact carries pressure."""
-        return self.pressure > 0.0 if self.hard else self.gap < 0.0
+        """The mask (n,) of the points whose layer is compressed or a bond, or where a hard contact carries pressure."""
+        return self.pressure > 0.0 if self.hard else (self.gap < 0.0) | self.bonded
 
     @property
     def penetration(self) -> float:
@@ -152,16 +162,22 @@ class ContactResult:
 
     @property
     def force_vector(self) -> Floats:
-        """The resultant −∫ p n ds of the contact pressure on the first body, (dim,) (force).
+        """The resultant −∫ p n ds of the contact pressure on the first body, and of a bond's shear, (dim,) (force).
 
         That on the second body is the opposite. Around a ring radial tractions sum to zero.
         """
-        total = -(self.weights * self.pressure) @ self.normal
+        total = np.sum(self._forces, axis=0)
         return total * [0.0, 1.0] if self.ring else total
 
     @property
+    def _forces(self) -> Floats:
+        """The forces on the first body that the points carry, (n, dim)."""
+        tractions = -self.pressure[:, None] * self.normal
+        return self.weights[:, None] * (tractions if self.shear is None else tractions + self.shear)
+
+    @property
     def area(self) -> float:
-        """The real contact area, of the points where the layer is compressed (area)."""
+        """The real contact area, of the points that are `closed` (area)."""
         return float(self.weights[self.closed].sum())
 
     @property
@@ -173,6 +189,11 @@ class ContactResult:
     def peak_pressure(self) -> float:
         """The largest contact pressure at the points (stress)."""
         return float(self.pressure.max())
+
+    @property
+    def peak_tension(self) -> float:
+        """The largest tensile stress of a bonded layer at the points (stress); zero where there is none."""
+        return max(0.0, -float(self.pressure.min()))
 
     @property
     def mean_pressure(self) -> float:
@@ -201,17 +222,17 @@ class ContactResult:
         return centre * np.array([0.0, 1.0]) if self.ring else centre
 
     def moment(self, about: ArrayLike = 0.0) -> float | Floats:
-        """The moment −∫ (x − x₀) × n p ds of the contact pressure on the first body about a point.
+        """The moment −∫ (x − x₀) × n p ds of the contact pressure, and of a bond's shear, on the first body.
 
         Args:
-            about: x₀, (dim,), or one number for all its coordinates (length).
+            about: The point x₀, (dim,), or one number for all its coordinates (length).
 
         Returns:
             The moment about the axis z in the plane, (3,) in space (force · length); zero for a ring, whose pressures
             balance.
         """
         arms = self.x - as_floats("about", about, f"{self.x.shape[1]} numbers")
-        forces = -(self.weights * self.pressure)[:, None] * self.normal
+        forces = self._forces
         if self.x.shape[1] == 3:
             return np.cross(arms, forces).sum(axis=0)
         return 0.0 if self.ring else float(np.sum(arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]))
@@ -228,7 +249,8 @@ class ContactResult:
     def sorted(self) -> ContactResult:
         """The same result, its points in the order of `arc_length`; in space in that of x, y, z."""
         order = np.argsort(self.arc_length, kind="stable") if self.x.shape[1] == 2 else np.lexsort(self.x.T[::-1])
-        names = ("x", "normal", "weights", "gap", "compression", "pressure", "initial_gap", "pointwise_pressure")
+        names = ["x", "normal", "weights", "gap", "compression", "pressure", "initial_gap", "pointwise_pressure"]
+        names += ["slip", "shear", "largest_closure"]
         parts = {name: getattr(self, name) for name in names}
         found = replace(self, **{name: part[order] for name, part in parts.items() if part is not None})
         if self.nodal is None:
@@ -239,7 +261,7 @@ class ContactResult:
     def edge(self) -> Floats:
         """The points (k, dim) where contact begins and ends: the zeros of z between points; in the plane only.
 
-        Contact that reaches the end of the surface has no edge there.
+        Contact that reaches the end of the surface has no edge there, and a bonded layer has none.
         """
         ordered = self.sorted()
         chain, z = self._curve.locate(ordered.x)[1], ordered._opening
@@ -278,12 +300,17 @@ class ContactResult:
         table |= vector_columns("normal", own.normal) | {"weight": own.weights}
         if own.initial_gap is not None:
             table["initial_gap"] = own.initial_gap
-        return table | {
+        table |= {
             "gap": own.gap,
             "compression": own.compression,
             "pressure": own.pressure,
             "closed": own.closed.astype(int),
         }
+        if own.slip is not None and own.shear is not None:
+            table |= vector_columns("slip", own.slip) | vector_columns("shear", own.shear)
+        if own.largest_closure is not None:
+            table["largest_closure"] = own.largest_closure
+        return table
 
     def frame(self) -> Any:
         """The result as a pandas DataFrame, one row per point.
@@ -308,6 +335,7 @@ class ContactResult:
             if area > 0.0
         )
         numbers = f"{len(self.x)} points, peak pressure {self.peak_pressure:.6g}, force {self.force:.6g}"
+        numbers += f", peak tension {self.peak_tension:.6g}" if self.bonded else ""
         return f"ContactResult({numbers}{alone}{self._note})"
 
     @property
@@ -325,6 +353,8 @@ class ContactResult:
     @property
     def _opening(self) -> Floats:
         """A field (n,) with a change of sign at the edge of contact: the gap; in a hard contact less the pressure."""
+        if self.bonded:
+            return np.full(len(self.gap), -1.0)
         if not self.hard:
             return self.gap
         gap, pressure = np.where(self.closed, 0.0, np.maximum(self.gap, 0.0)), self.pressure

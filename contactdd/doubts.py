@@ -33,7 +33,7 @@ def _warn_of_facets(solution: Solution, interface: Interface, doubts: np.ndarray
     result = solution.contact(interface.contact.name)
     near = np.flatnonzero((doubts > 0.0) & (result.gap < doubts))
     doubt = float(doubts[near].mean()) if len(near) else 0.0
-    pressed = result.pressure / interface.facet_stiffness if interface.hard else -result.compression
+    pressed = result.pressure / interface.facet_stiffness if interface.hard else np.abs(result.compression)
     compression = float(pressed[near].mean()) if len(near) else 0.0
     if doubt > DOUBTFUL * compression:
         warnings.warn(

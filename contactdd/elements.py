@@ -92,6 +92,38 @@ class Elements:
         """The nodes (blocks of degrees of freedom) on a named surface."""
         return fem.locate_dofs_topological(self.space, self.dim - 1, self.mesh.facets(surface))
 
+    def nodes_at(self, points: Floats) -> NDArray[np.int32]:
+        """The node (n,) at each of some points (n, dim); refuses points where there is none."""
+        from scipy.spatial import cKDTree
+
+        near = 1e-8 * self.mesh.size  # files round coordinates to about eight digits
+        away, nodes = cKDTree(self.space.tabulate_dof_coordinates()[:, : self.dim]).query(points)
+        if np.any(away > near):
+            raise ValueError(
+                f"points of body {self.name!r}: there is no node at {points[int(np.argmax(away))]}, the next is "
+                f"{away.max():.3g} away; expected nodes of the mesh"
+            )
+        return nodes.astype(np.int32)
+
+    def nodes_between(self, nodes: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Some nodes with those inside the edges, faces and cells whose corners are all among them.
+
+        On cells of second order the middle of an edge counts by itself.
+        """
+        layout, dofs = self.space.dofmap.dof_layout, self.space.dofmap.list
+        held = np.zeros(self.dofs // self.dim, dtype=bool)
+        held[nodes] = True
+        topology = compat.entity_vertices(self.domain)
+        corners = np.array([layout.entity_dofs(0, vertex)[0] for vertex in range(len(topology[0]))])
+        of_corners = held[dofs[:, corners]]
+        curved = compat.coordinate_map(self.domain).degree > 1 and self.degree == 2
+        for dim in range(2 if curved else 1, self.dim + 1):
+            for number, vertices in enumerate(topology[dim]):
+                inside = layout.entity_dofs(dim, number)
+                whole = of_corners[:, vertices].all(axis=1)
+                held[dofs[whole][:, inside]] = True
+        return np.flatnonzero(held).astype(np.int32)
+
     def coordinates(self, nodes: NDArray[np.int32]) -> Floats:
         """The coordinates x (3, n) of nodes."""
         return self.space.tabulate_dof_coordinates()[nodes].T

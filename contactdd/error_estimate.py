@@ -111,7 +111,7 @@ class ContactErrorEstimate:
 
     @property
     def _better_closed(self) -> NDArray[np.bool_]:
-        return self.better_pressure > 0.0 if self.result.hard else self.better_gap < 0.0
+        return self.better_pressure > 0.0 if self.result.hard else (self.better_gap < 0.0) | self.result.bonded
 
     @property
     def edge(self) -> Floats:

@@ -13,7 +13,7 @@ from dolfinx import fem
 from dolfinx import mesh as dmesh
 
 from .base.checks import as_floats, check_vector
-from .parameter import Parameter, ParameterField, current
+from .parameter import Followed, ParameterField, current
 
 #: The value of a load or a prescribed displacement, as a user may give it.
 Field: TypeAlias = (
@@ -23,7 +23,7 @@ Field: TypeAlias = (
     | np.ndarray
     | Callable[[np.ndarray], Any]
     | Any  # UFL's expressions, which have no types
-    | Parameter
+    | Followed
     | ParameterField
 )
 
@@ -59,6 +59,7 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
     if isinstance(value, ufl.core.expr.Expr):
         if value.ufl_shape != shape:
             raise ValueError(f"{name}: expected a UFL expression of shape {shape}, got {value.ufl_shape}")
+        refuse_other_mesh(name, value, domain)
         return value
     if callable(value):
         function = fem.Function(fem.functionspace(domain, ("Discontinuous Lagrange", degree, shape)))
@@ -68,6 +69,13 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
     if array.shape != shape or not np.all(np.isfinite(array)):
         raise ValueError(f"{name} = {value!r}: expected finite values of shape {shape}")
     return fem.Constant(domain, array if shape else float(array))
+
+
+def refuse_other_mesh(name: str, value: Any, domain: dmesh.Mesh) -> None:
+    """Raise if a UFL expression or form belongs to another mesh than `domain`."""
+    domains = value.ufl_domains() if isinstance(value, ufl.Form) else ufl.domain.extract_domains(value)
+    if any(each != domain.ufl_domain() for each in domains):
+        raise ValueError(f"{name}: its UFL expression belongs to another mesh; expected one on the body's, mesh.domain")
 
 
 def inner_element(domain: dmesh.Mesh, degree: int) -> Any:

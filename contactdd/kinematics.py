@@ -67,6 +67,22 @@ class Kinematics:
         matrix[..., kept, :] = self.reduce(stiffness)
         return matrix
 
+    def full_eigenstress(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The matrix from six eigenstrains to the six stresses that they take away, (..., 6, 6).
+
+        In plane stress the other strains adjust, so that those eigenstrains cause no stress.
+        """
+        if not self.plane_stress:
+            return stiffness
+        kept = np.array(self.components)
+        matrix = np.zeros_like(stiffness)
+        matrix[..., kept[:, None], kept] = self.reduce(stiffness)
+        return matrix
+
+    def eigenstress(self, stiffness: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The rows of `full_eigenstress` that do work on the free strains, (..., free components, 6)."""
+        return np.ascontiguousarray(self.full_eigenstress(stiffness)[..., list(self.components), :])
+
     def weight(self, x: Any) -> Any:
         """The volume (or area) per unit of the mesh's own at x: 2πr in a body of revolution, else 1.
 

@@ -2,7 +2,7 @@
 
 The sign convention is the paper's: w < 0 and σ_n < 0 in compression. Stresses and lengths are in the
 user's own consistent set of units. A law is described by what it does in compression; for w > 0, which
-contact never asks for, g is the odd extension g(-w) = -g(w).
+only bonds ask for, g is the odd extension g(-w) = -g(w).
 
 Every method takes scalars or arrays of any shape, works element by element, returns a float64 array of
 that shape and hands NaN on: a diverging iteration must be noticed, not be read as an open gap.
@@ -18,6 +18,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,6 +39,27 @@ class Layer(ABC):
         >>> layer.contact_stress([-2.0, 1.0]), layer.energy(-2.0), layer.divided_difference(-2.0, 2.0)
         (array([-4.,  0.]), array(4.), array(1.))
     """
+
+    #: Whether the layer carries tension: its contact stress is g(z) for all z.
+    bonded: ClassVar[bool] = False
+
+    @property
+    def remembers(self) -> bool:
+        """Whether the law depends on what was before: `after` gives another one."""
+        return False
+
+    def after(self, z: Floats) -> Layer:
+        """The law once the gaps (n,) at its points have been reached; itself, where it does not depend on that.
+
+        Args:
+            z: The gaps (length).
+        """
+        return self
+
+    @property
+    def sliding(self) -> Layer | None:
+        """The law of the tangential displacement along the contact, None where nothing resists it."""
+        return None
 
     @property
     def clearance(self) -> float | Floats:

@@ -5,13 +5,17 @@ A value is a number, an array, a function of the coordinates x (3, points), a UF
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 import ufl
 from dolfinx import fem
 
+from .base import compat
+from .base.arrays import Floats
 from .elements import Elements
 from .field import Field, check_dimension, check_field, coefficient
 from .parameter import current
@@ -190,4 +194,88 @@ class Resultant:
         return on.over_surface(ufl.dot(traction, v), self.surface, on.area_metadata)
 
 
-Load = Pressure | Traction | BodyForce | Resultant
+class LoadedBody(Protocol):
+    """The part of a `Body` that its loads may ask for."""
+
+    name: str
+    elements: Elements
+
+    @property
+    def space(self) -> fem.FunctionSpace:
+        """The finite element space of the displacements."""
+        ...
+
+    def eigenstrain_form(self, strain: Any, v: Any) -> ufl.Form:
+        """The UFL form ∫ (C : ε₀) : ε(v) dx of an eigenstrain.
+
+        Args:
+            strain: ε₀, a UFL vector of six components in the order of Voigt.
+            v: A test function.
+        """
+        ...
+
+
+class BodyLoad(ABC):
+    """A load that takes the body with its material: eigenstrains, forces at points and the user's own forms.
+
+    Attributes:
+        is_strain: Whether it is an eigenstrain, which `eigenstrain` gives.
+    """
+
+    is_strain: ClassVar[bool] = False
+
+    @abstractmethod
+    def vector(self, body: LoadedBody) -> Floats:
+        """The load's part of l(v) for all degrees of freedom, (dofs,) (force).
+
+        Args:
+            body: The body.
+        """
+
+    def check_on(self, body: LoadedBody) -> None:  # noqa: B027  # most fit any body
+        """Refuse what does not fit a body.
+
+        Args:
+            body: The body.
+        """
+
+    def eigenstrain(self, on: Elements) -> Any:
+        """The eigenstrain, a UFL vector of six components in the order of Voigt, of a load that is one.
+
+        Args:
+            on: The elements of the body.
+        """
+        raise NotImplementedError
+
+    def followed(self, body: LoadedBody) -> Iterable[Any]:
+        """The values that may change between solves: parameters, dolfinx' Constants and Functions in UFL.
+
+        Args:
+            body: The body.
+        """
+        return vars(self).values()
+
+
+class FormLoad(BodyLoad):
+    """A load that a form of the body gives."""
+
+    @abstractmethod
+    def form_on(self, body: LoadedBody, v: Any) -> Any:
+        """The UFL form of the load's part of l(v).
+
+        Args:
+            body: The body.
+            v: A test function of its elements.
+        """
+
+    def vector(self, body: LoadedBody) -> Floats:
+        """The load's part of l(v) for all degrees of freedom, (dofs,) (force).
+
+        Args:
+            body: The body.
+        """
+        form = compat.form(self.form_on(body, ufl.TestFunction(body.space)))
+        return np.asarray(fem.assemble_vector(form).array)
+
+
+Load = Pressure | Traction | BodyForce | Resultant | BodyLoad

@@ -1,17 +1,20 @@
 """Linear elastic materials: the stiffness of Hooke's law (2) in Voigt's notation, checked for (4).
 
-Every constant of a material is a number or a function of the coordinates x (3, points); Voigt's notation stays inside
-this file and `kinematics`.
+Every constant of a material is a number, a function of the coordinates x (3, points), or a UFL expression such as a
+dolfinx Function, one value per cell or per node. Voigt's notation stays inside this file and `kinematics`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
+import ufl
+from dolfinx import fem
 from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats
@@ -19,8 +22,12 @@ from .base.checks import as_floats, finite
 from .field import evaluate
 from .parameter import refuse_parameter
 
-#: A material constant: a number, or a function of the coordinates x (3, points).
+#: A material constant: a number, a function of the coordinates x (3, points), or a UFL expression.
 Number = float | Callable[[Floats], Any]
+
+
+#: The degree of the polynomials that stand in every cell for a UFL expression that is no dolfinx Function.
+EXPRESSION_DEGREE = 3
 
 
 #: Voigt's order of the tensor components; shear strains count twice (engineering strains).
@@ -34,8 +41,25 @@ PLACE = np.array([[0, 5, 4], [5, 1, 3], [4, 3, 2]])
 class Material(ABC):
     """A linear elastic material, its stiffness a symmetric positive definite tensor C_ijkl(x), eqs. (2), (4).
 
-    A subclass gives `_stiffness(x)`; its constants are numbers or functions of the coordinates x (3, points).
+    A subclass gives `_stiffness(x)`, C at points x (3, points) in Voigt's notation, (points, 6, 6), and keeps its
+    constants as attributes: numbers, functions of the coordinates x, or UFL expressions, which are functions of x by
+    the time that `_stiffness` sees them.
+
+    Attributes:
+        checked: Whether `_stiffness` itself refuses what is not symmetric positive definite.
+
+    Example:
+        >>> class Foam(Material):
+        ...     def __init__(self, density):
+        ...         self.density = density
+        ...     def _stiffness(self, x):
+        ...         E = 100.0 * self.density**2
+        ...         return np.tile(Isotropic(E, 0.1).stiffness(), (x.shape[1], 1, 1))
+        >>> Foam(0.5).stiffness().shape
+        (6, 6)
     """
+
+    checked: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -58,13 +82,39 @@ class Material(ABC):
             Shape (6, 6), or (points, 6, 6) at points.
 
         Raises:
-            ValueError: The constants are none that an elastic material has (4).
+            ValueError: The constants are none that an elastic material has (4), or values of a mesh (see `within`).
         """
-        if x is not None:
-            return self._stiffness(x)
-        if self.varies:
-            raise ValueError(f"x = None: {self!r} varies in space; expected points (3, n)")
-        return self._stiffness(np.zeros((3, 1)))[0]
+        if x is None:
+            if self.varies:
+                raise ValueError(f"x = None: {self!r} varies in space; expected points (3, n)")
+            return self.stiffness(np.zeros((3, 1)))[0]
+        for name, value in self._expressions.items():
+            raise ValueError(f"{name} = {value!r}: its values depend on the cell; expected material.within(cells)")
+        return self._stiffness(x) if self.checked else _definite(self._stiffness(x), x)
+
+    def within(self, cells: NDArray[np.int32]) -> Material:
+        """The same material at points of which the mesh's cells are known, its UFL expressions functions of x.
+
+        Args:
+            cells: The index of the cell that each point lies in, (points,).
+        """
+        found: dict[str, Any] = {name: sampled(value, cells) for name, value in self._expressions.items()}
+        found |= {name: value.within(cells) for name, value in vars(self).items() if isinstance(value, Material)}
+        if not found:
+            return self
+        other = copy(self)
+        vars(other).update(found)
+        return other
+
+    def given(self) -> list[Any]:
+        """The values that the material was given, those of a material inside it too."""
+        inner = [each for value in vars(self).values() if isinstance(value, Material) for each in value.given()]
+        return [*vars(self).values(), *inner]
+
+    @property
+    def _expressions(self) -> dict[str, Any]:
+        """The constants that are UFL expressions, by name."""
+        return {name: value for name, value in vars(self).items() if isinstance(value, ufl.core.expr.Expr)}
 
     def tensor(self, x: Floats | None = None) -> Floats:
         """The stiffness tensor C_ijkl (stress), shape (3, 3, 3, 3), or (points, 3, 3, 3, 3) at points.
@@ -86,7 +136,50 @@ class Material(ABC):
 
     @abstractmethod
     def _stiffness(self, x: Floats) -> Floats:
-        """C at points x (3, points), shape (points, 6, 6), checked."""
+        """C at points x (3, points), shape (points, 6, 6)."""
+
+
+def sampled(expression: Any, cells: NDArray[np.int32]) -> Callable[[Floats], Floats]:
+    """The function of points x (3, points) in given cells (points,) that a UFL expression is."""
+
+    def values(x: Floats) -> Floats:
+        function = expression if isinstance(expression, fem.Function) else _interpolated(expression)
+        found = function.eval(x.T, cells)
+        return np.moveaxis(found.reshape(x.shape[1], *expression.ufl_shape), 0, -1)
+
+    return values
+
+
+def _interpolated(expression: Any) -> fem.Function:
+    """The function of the cells' polynomials that is closest to a UFL expression."""
+    from .base import compat
+
+    functions = ufl.algorithms.extract_coefficients(expression)
+    domain = next(each.function_space.mesh for each in functions if isinstance(each, fem.Function))
+    element = ("Discontinuous Lagrange", EXPRESSION_DEGREE, expression.ufl_shape)
+    space = fem.functionspace(domain, element)
+    function = fem.Function(space)
+    function.interpolate(fem.Expression(expression, compat.expression_points(space.element)))
+    return function
+
+
+def _definite(values: Floats, x: Floats) -> Floats:
+    """C at points x, refused unless it is symmetric and positive definite."""
+    if np.shape(values) != (x.shape[1], 6, 6):
+        raise ValueError(f"_stiffness: an array of shape {np.shape(values)}; expected {(x.shape[1], 6, 6)}")
+    if not np.all(np.isfinite(values)):
+        raise ValueError("_stiffness: expected finite numbers")
+    transposed = np.swapaxes(values, 1, 2)
+    _require_symmetry(values, transposed, "C = Cᵀ, that is C_ijkl = C_klij")
+    values = 0.5 * (values + transposed)
+    eigenvalues = np.linalg.eigvalsh(values)
+    worst = int(np.argmin(eigenvalues[:, 0] / np.abs(eigenvalues).max(axis=1)))
+    smallest, largest = eigenvalues[worst, 0], np.abs(eigenvalues[worst]).max()
+    # A ratio within the rounding of the eigenvalues (6 × 6) is no proof of a positive one.
+    if not smallest > 1e-14 * largest:
+        where = f" at x = {x[:, worst]}" if x.shape[1] > 1 else ""
+        raise ValueError(f"C{where}: its smallest eigenvalue is {smallest:.6g}; expected C positive definite")
+    return values
 
 
 @dataclass(frozen=True)
@@ -94,7 +187,8 @@ class Isotropic(Material):
     """An isotropic material.
 
     Args:
-        E: Young's modulus > 0 (stress), a number or a function of the coordinates x (3, points).
+        E: Young's modulus > 0 (stress), a number, a function of the coordinates x (3, points), or a UFL expression on
+            the body's mesh, such as a dolfinx Function with a value in every cell.
         nu: Poisson's ratio, −1 < nu < 0.5, likewise.
 
     Raises:
@@ -104,6 +198,8 @@ class Isotropic(Material):
         >>> Isotropic(E=2.1e5, nu=0.3).stiffness().shape
         (6, 6)
     """
+
+    checked = True
 
     E: Number
     nu: Number
@@ -138,6 +234,8 @@ class Orthotropic(Material):
         >>> bool(wood.rotated(np.pi / 2).stiffness()[1, 1] > 11e3)  # along the fibres
         True
     """
+
+    checked = True
 
     E1: Number
     E2: Number
@@ -190,6 +288,8 @@ class Anisotropic(Material):
         True
     """
 
+    checked = True
+
     C: ArrayLike | Callable[[Floats], Any]
 
     def _stiffness(self, x: Floats) -> Floats:
@@ -200,17 +300,7 @@ class Anisotropic(Material):
                 _require_symmetry(values, values.transpose(axes), "C_ijkl = C_jikl = C_ijlk")
             i, j = np.array(VOIGT).T
             values = values[:, i[:, None], j[:, None], i, j]
-        transposed = np.swapaxes(values, 1, 2)
-        _require_symmetry(values, transposed, "C = Cᵀ, that is C_ijkl = C_klij")
-        values = 0.5 * (values + transposed)
-        eigenvalues = np.linalg.eigvalsh(values)
-        worst = int(np.argmin(eigenvalues[:, 0] / np.abs(eigenvalues).max(axis=1)))
-        smallest, largest = eigenvalues[worst, 0], np.abs(eigenvalues[worst]).max()
-        # A ratio within the rounding of the eigenvalues (6 × 6) is no proof of a positive one.
-        if not smallest > 1e-14 * largest:
-            where = f" at x = {x[:, worst]}" if self.varies else ""
-            raise ValueError(f"C{where}: its smallest eigenvalue is {smallest:.6g}; expected C positive definite")
-        return values
+        return _definite(values, x)
 
     def _given(self, x: Floats) -> Floats:
         return as_floats("C", self.C(x) if callable(self.C) else self.C, "a matrix (6, 6)")
@@ -219,6 +309,8 @@ class Anisotropic(Material):
 @dataclass(frozen=True, eq=False)
 class Rotated(Material):
     """A material whose axes are turned; made by `Material.rotated`."""
+
+    checked = True
 
     material: Material
     rotation: ArrayLike | Callable[[Floats], Any]

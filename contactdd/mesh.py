@@ -35,12 +35,13 @@ class Mesh:
         domain: The dolfinx mesh (plane or solid, any cell type), on one rank; coordinates are lengths.
         surfaces: {name: sorted indices of boundary facets, (facets,)}.
         left_out: {name: why} of groups that a file has but that are no surfaces, for whoever asks for one.
+        subdomains: {name: sorted indices of cells, (cells,)}: the parts of the body that may have their own materials.
 
     Raises:
         TypeError: `domain` is no dolfinx mesh, or facet indices are no whole numbers.
         ValueError: The mesh is spread over several ranks; coordinates are not finite; cells are degenerate, inverted or
             folded over their neighbours; there are hanging nodes; a surface has no facets, or facets that are not there
-            or inside the body.
+            or inside the body; a subdomain has cells that are not there.
 
     Example:
         >>> import contactdd as cd
@@ -54,6 +55,7 @@ class Mesh:
     domain: dmesh.Mesh
     surfaces: Mapping[str, NDArray[np.int32]]
     left_out: Mapping[str, str] = field(default_factory=dict)
+    subdomains: Mapping[str, NDArray[np.int32]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not isinstance(self.domain, dmesh.Mesh):
@@ -67,6 +69,8 @@ class Mesh:
         _check_cells(self.domain)
         for name, facets in self.surfaces.items():
             _check_surface(self.domain, name, facets)
+        for name, cells in self.subdomains.items():
+            _check_subdomain(self.cells, name, cells)
 
     @property
     def dim(self) -> int:
@@ -134,9 +138,36 @@ class Mesh:
             ValueError: A marker returns something else, or marks no facet.
         """
         left_out = {name: why for name, why in self.left_out.items() if name not in markers}
-        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, left_out)
+        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, left_out, self.subdomains)
         vars(mesh).update(self._pieces_known())
         return mesh
+
+    def with_subdomains(self, **markers: Marker) -> Mesh:
+        """The same mesh with more named parts, for materials of their own: `Body(..., material={"steel": ..., ...})`.
+
+        Args:
+            markers: Name = function of the coordinates x (3, cells) of the cells' middles (length) to bool (cells,).
+
+        Raises:
+            TypeError: A marker is no function.
+            ValueError: A marker returns something else, or marks no cell.
+
+        Example:
+            >>> import contactdd as cd
+            >>> mesh = cd.rectangle((0, 0), (2, 1), (4, 2)).with_subdomains(core=lambda x: x[0] > 1)
+            >>> len(mesh.subdomains["core"])
+            8
+        """
+        x = self.middles.T
+        found = {name: np.flatnonzero(_checked(name, marker)(x)).astype(np.int32) for name, marker in markers.items()}
+        mesh = Mesh(self.domain, self.surfaces, self.left_out, {**self.subdomains, **found})
+        vars(mesh).update(self._pieces_known())
+        return mesh
+
+    @property
+    def middles(self) -> Floats:
+        """The means of the cells' nodes, (cells, 3)."""
+        return np.asarray(self.domain.geometry.x[compat.geometry_dofmap(self.domain)].mean(axis=1))
 
     @cached_property
     def piece_of_cell(self) -> Integers:
@@ -177,9 +208,9 @@ class Mesh:
         facets = {name: of_cell[pairs[:, 0], pairs[:, 1]] for name, pairs in entities.items()}
         order = {name: np.argsort(each) for name, each in facets.items()}
         surfaces = {name: each[order[name]].astype(np.int32) for name, each in facets.items()}
-        finer = Mesh._sound(
-            made.domain, surfaces, {name: pairs[order[name]] for name, pairs in entities.items()}, self.left_out
-        )
+        sorted_pairs = {name: pairs[order[name]] for name, pairs in entities.items()}
+        parts = {n: np.flatnonzero(np.isin(made.parents, c)).astype(np.int32) for n, c in self.subdomains.items()}
+        finer = Mesh._sound(made.domain, surfaces, sorted_pairs, self.left_out, parts)
         vars(finer).update(_split=(self, made))
         return finer
 
@@ -229,11 +260,16 @@ class Mesh:
         """
         if not (self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)):
             return None
-        ours, theirs = (compat.geometry_dofmap(mesh.domain) for mesh in (self, other))
-        if ours.shape != theirs.shape or self.domain.topology.cell_name() != other.domain.topology.cell_name():
+        if not self._same_cells(other):
             return None
-        isometry = isometry_between(other.domain.geometry.x[:, : self.dim], self.domain.geometry.x[:, : self.dim])
-        return isometry if isometry is not None and np.array_equal(ours, theirs) else None
+        return isometry_between(other.domain.geometry.x[:, : self.dim], self.domain.geometry.x[:, : self.dim])
+
+    def _same_cells(self, other: Mesh) -> bool:
+        """Whether both have the same cells, numbered alike, between nodes that may lie elsewhere."""
+        if self.domain.topology._cpp_object is other.domain.topology._cpp_object:  # as `moved` and `mirrored` share it
+            return True
+        ours, theirs = (compat.geometry_dofmap(mesh.domain) for mesh in (self, other))
+        return self.domain.topology.cell_name() == other.domain.topology.cell_name() and np.array_equal(ours, theirs)
 
     def moved(self, offset: Sequence[float]) -> Mesh:
         """A copy of the mesh elsewhere, with the same cells, facets and named surfaces.
@@ -272,8 +308,9 @@ class Mesh:
         # Its cells are as good as those of this mesh, unless rounding has moved their corners.
         if not np.abs(isometry.signs * (image - isometry.offset) - x).max() <= 1e-10 * self.size:
             raise ValueError(f"{asked}: so far away a mesh of the size {self.size:g} loses the digits of its shape")
-        copy = Mesh._sound(compat.with_coordinates(self.domain, image), self.surfaces, self._entities, self.left_out)
-        vars(copy).update(self._pieces_known())
+        domain = compat.with_coordinates(self.domain, image)
+        copy = Mesh._sound(domain, self.surfaces, self._entities, self.left_out, self.subdomains)
+        vars(copy).update(self._pieces_known(), extent=self.extent)
         return copy
 
     @classmethod
@@ -283,10 +320,12 @@ class Mesh:
         surfaces: Mapping[str, NDArray[np.int32]],
         entities: dict[str, NDArray[np.int32]],
         left_out: Mapping[str, str],
+        subdomains: Mapping[str, NDArray[np.int32]],
     ) -> Mesh:
         """A mesh that is known to be valid, made without the checks."""
         mesh = object.__new__(cls)
-        vars(mesh).update(domain=domain, surfaces=surfaces, _entities=entities, left_out=left_out)
+        known = {"surfaces": surfaces, "_entities": entities, "left_out": left_out, "subdomains": subdomains}
+        vars(mesh).update(domain=domain, **known)
         return mesh
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -373,22 +412,26 @@ def from_dolfinx(
     facet_tags: Any = None,
     *,
     names: Mapping[str, int | Sequence[int]] | None = None,
+    cell_tags: Any = None,
+    subdomains: Mapping[str, int | Sequence[int]] | None = None,
     **markers: Marker,
 ) -> Mesh:
-    """A mesh made with dolfinx, with its boundary surfaces named.
+    """A mesh made with dolfinx, with its boundary surfaces named, and the parts that have materials of their own.
 
     Args:
         domain: A dolfinx mesh on one rank.
         facet_tags: The dolfinx `MeshTags` of facets.
         names: {name: tag, or tags} of the surfaces; by default each tag is named by its number ("2").
+        cell_tags: The dolfinx `MeshTags` of cells.
+        subdomains: {name: tag, or tags} of the parts of the body; by default each tag is named by its number.
         markers: More surfaces, name = function of coordinates x (3, points) to bool, as of `Mesh.with_surfaces`.
 
     Returns:
         The mesh. Tags of facets inside the body are left out, and refused when they are asked for.
 
     Raises:
-        TypeError: `domain` is no dolfinx mesh or `facet_tags` no MeshTags.
-        ValueError: No facet has a tag, or `Mesh` refuses the mesh.
+        TypeError: `domain` is no dolfinx mesh, or `facet_tags` or `cell_tags` no MeshTags.
+        ValueError: No facet or cell has a tag, or `Mesh` refuses the mesh.
 
     Example:
         >>> from dolfinx.mesh import create_unit_square
@@ -400,7 +443,11 @@ def from_dolfinx(
     if not isinstance(domain, dmesh.Mesh):
         raise TypeError(f"domain = {domain!r}: expected a dolfinx mesh")
     groups, left_out = _tagged(domain, facet_tags, names)
-    return Mesh(domain, {**groups, **_mark(domain, markers)}, left_out)
+    parts = {
+        name: np.unique(cell_tags.indices[np.isin(cell_tags.values, wanted)]).astype(np.int32)
+        for name, wanted in _named_tags(domain.topology.dim, cell_tags, subdomains, ("cell_tags", "subdomains")).items()
+    }
+    return Mesh(domain, {**groups, **_mark(domain, markers)}, left_out, parts)
 
 
 def from_arrays(
@@ -409,6 +456,7 @@ def from_arrays(
     element: Any,
     surfaces: Mapping[str, Integers],
     left_out: Mapping[str, str],
+    subdomains: Mapping[str, Integers] | None = None,
 ) -> Mesh:
     """The mesh of given cells, which must be valid, with its named surfaces.
 
@@ -418,6 +466,7 @@ def from_arrays(
         element: The coordinate element.
         surfaces: {name: (facets, 2) the cell and local facet of each facet}.
         left_out: {name: why} of groups that are no surfaces.
+        subdomains: {name: indices of given cells}.
     """
     domain = compat.from_arrays(cells, np.ascontiguousarray(x), element)
     dim = domain.topology.dim
@@ -425,7 +474,8 @@ def from_arrays(
     of_cell = domain.topology.connectivity(dim, dim - 1).array.reshape(len(cells), -1)
     new = np.argsort(domain.topology.original_cell_index)  # dolfinx's number of each given cell
     facets = {name: np.unique(of_cell[new[pairs[:, 0]], pairs[:, 1]]) for name, pairs in surfaces.items()}
-    return Mesh(domain, facets, left_out)
+    parts = {name: np.sort(new[each]).astype(np.int32) for name, each in (subdomains or {}).items()}
+    return Mesh(domain, facets, left_out, parts)
 
 
 def inside_the_body(facets: int) -> str:
@@ -437,22 +487,8 @@ def _tagged(
     domain: dmesh.Mesh, tags: Any, names: Mapping[str, int | Sequence[int]] | None
 ) -> tuple[dict[str, NDArray[np.int32]], dict[str, str]]:
     """The surfaces given by tags of facets, and the reasons why other tags give none."""
-    if tags is None:
-        if names is not None:
-            raise ValueError(f"names = {names!r}: expected facet_tags beside them")
-        return {}, {}
-    dim = domain.topology.dim
-    if not isinstance(tags, dmesh.MeshTags):
-        raise TypeError(f"facet_tags = {tags!r}: expected MeshTags of dolfinx")
-    if tags.dim != dim - 1:
-        raise ValueError(f"facet_tags: tags of entities of dimension {tags.dim}; expected {dim - 1}, the facets'")
-    known = [int(tag) for tag in np.unique(tags.values)]
-    chosen = {str(tag): [tag] for tag in known} if names is None else {n: _tags(n, tag) for n, tag in names.items()}
     surfaces, left_out = {}, {}
-    for name, wanted in chosen.items():
-        missing = [tag for tag in wanted if tag not in known]
-        if missing:
-            raise ValueError(f"names: {name!r} is the tag {missing[0]}, which no facet has (there are {known})")
+    for name, wanted in _named_tags(domain.topology.dim - 1, tags, names, ("facet_tags", "names")).items():
         facets = np.unique(tags.indices[np.isin(tags.values, wanted)]).astype(np.int32)
         within = _within(domain, facets)
         if within:
@@ -462,11 +498,37 @@ def _tagged(
     return surfaces, left_out
 
 
-def _tags(name: str, tags: Any) -> list[int]:
+def _named_tags(
+    dim: int, tags: Any, names: Mapping[str, int | Sequence[int]] | None, arguments: tuple[str, str]
+) -> dict[str, list[int]]:
+    """The tags of each name, checked; dim: of the tagged entities; arguments: the names of tags and names."""
+    tags_name, names_name = arguments
+    if tags is None:
+        if names is not None:
+            raise ValueError(f"{names_name} = {names!r}: expected {tags_name} beside them")
+        return {}
+    if not isinstance(tags, dmesh.MeshTags):
+        raise TypeError(f"{tags_name} = {tags!r}: expected MeshTags of dolfinx")
+    if tags.dim != dim:
+        of = tags_name.removesuffix("_tags")
+        raise ValueError(f"{tags_name}: tags of entities of dimension {tags.dim}; expected {dim}, the {of}s'")
+    known = [int(tag) for tag in np.unique(tags.values)]
+    if names is None:
+        return {str(tag): [tag] for tag in known}
+    chosen = {name: _tags(names_name, name, tag) for name, tag in names.items()}
+    for name, wanted in chosen.items():
+        missing = [tag for tag in wanted if tag not in known]
+        if missing:
+            of = tags_name.removesuffix("_tags")
+            raise ValueError(f"{names_name}: {name!r} is the tag {missing[0]}, which no {of} has (there are {known})")
+    return chosen
+
+
+def _tags(argument: str, name: str, tags: Any) -> list[int]:
     """One tag or several as a list."""
     each = np.atleast_1d(np.asarray(tags))
     if not isinstance(name, str) or each.ndim != 1 or each.dtype.kind not in "iu":
-        raise TypeError(f"names: {name!r} is {tags!r}; expected a name and its whole number or numbers")
+        raise TypeError(f"{argument}: {name!r} is {tags!r}; expected a name and its whole number or numbers")
     return [int(tag) for tag in each]
 
 
@@ -514,7 +576,7 @@ def _structured(
     shortest = steps.min()
     # Boxes that are not flat, and not so small that they are lost in the rounding of coordinates, are good cells.
     sound = shortest > 1e-4 * steps.max() and shortest > 1e-8 * np.abs(corners).max()
-    mesh = Mesh._sound(domain, surfaces, entities, {}) if sound else Mesh(domain, surfaces)
+    mesh = Mesh._sound(domain, surfaces, entities, {}, {}) if sound else Mesh(domain, surfaces)
     vars(mesh).update(piece_of_cell=np.zeros(mesh.cells, dtype=np.int64))  # one piece, without a look at the cells
     return mesh
 
@@ -624,10 +686,10 @@ def _pieces(mesh: Mesh) -> list[Mesh]:
             for name, pairs in ours.items()
             if len(pairs)
         }
-        x = mesh.domain.geometry.x[nodes, : mesh.dim]
-        found.append(
-            from_arrays(local.reshape(len(cells), -1).astype(np.int64), x, element, surfaces, _others(mesh, surfaces))
-        )
+        x, rows = mesh.domain.geometry.x[nodes, : mesh.dim], local.reshape(len(cells), -1).astype(np.int64)
+        parts = {name: np.flatnonzero(np.isin(cells, each)) for name, each in mesh.subdomains.items()}
+        parts = {name: each for name, each in parts.items() if len(each)}
+        found.append(from_arrays(rows, x, element, surfaces, _others(mesh, surfaces), parts))
     return found
 
 
@@ -684,6 +746,15 @@ def _check_surface(domain: dmesh.Mesh, name: str, facets: NDArray[np.int32]) -> 
     inside = _within(domain, facets, name)
     if inside:
         raise ValueError(f"surface {name!r}: {inside} of its {len(facets)} facets are inside the body")
+
+
+def _check_subdomain(count: int, name: str, cells: NDArray[np.int32]) -> None:
+    array = np.asarray(cells)
+    if array.ndim != 1 or len(array) == 0 or array.dtype.kind not in "iu":
+        raise ValueError(f"subdomain {name!r}: expected the indices of its cells, an array (cells,) of whole numbers")
+    if array.min() < 0 or array.max() >= count:
+        wrong = array[(array < 0) | (array >= count)][0]
+        raise ValueError(f"subdomain {name!r}: the cell {wrong} is not there; expected indices from 0 to {count - 1}")
 
 
 def _within(domain: dmesh.Mesh, facets: NDArray[np.int32], name: str = "") -> int:

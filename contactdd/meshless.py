@@ -82,6 +82,17 @@ class MeshlessBody(ABC):
             direction: (n, dim) Unit vectors, out of the other body.
         """
 
+    def displacement_along(self, x: Floats, axis: Floats) -> Operator | None:
+        """The operator (n, dofs) to the displacement of the surface opposite points along an axis.
+
+        Bonds that resist sliding need it; None, as by default, if it is not known.
+
+        Args:
+            x: (n, dim) The points, on the other body's surface (length).
+            axis: (dim,) A unit vector.
+        """
+        return None
+
     def contact_points(self) -> tuple[Floats, Floats, Floats] | None:
         """The points of its own at which a contact with another body without a mesh is evaluated.
 

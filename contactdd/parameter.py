@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
 from typing import Any
 
@@ -12,11 +13,87 @@ from .base.arrays import Floats
 from .base.checks import as_floats
 
 
-class Parameter:
+class Followed:
+    """A value that follows parameters, with the arithmetic that makes others of it.
+
+    `2 * q`, `-q`, `q + r`, `q / 3` follow their parameters as these do.
+    """
+
+    __array_ufunc__ = None  # arrays leave `array * q` to it
+
+    @property
+    def value(self) -> float | Floats:
+        """The present value."""
+        raise NotImplementedError
+
+    def __add__(self, other: Any) -> Expression:
+        return Expression(operator.add, self, other)
+
+    def __radd__(self, other: Any) -> Expression:
+        return Expression(operator.add, other, self)
+
+    def __sub__(self, other: Any) -> Expression:
+        return Expression(operator.sub, self, other)
+
+    def __rsub__(self, other: Any) -> Expression:
+        return Expression(operator.sub, other, self)
+
+    def __mul__(self, other: Any) -> Expression:
+        return Expression(operator.mul, self, other)
+
+    def __rmul__(self, other: Any) -> Expression:
+        return Expression(operator.mul, other, self)
+
+    def __truediv__(self, other: Any) -> Expression:
+        return Expression(operator.truediv, self, other)
+
+    def __rtruediv__(self, other: Any) -> Expression:
+        return Expression(operator.truediv, other, self)
+
+    def __pow__(self, other: Any) -> Expression:
+        return Expression(operator.pow, self, other)
+
+    def __neg__(self) -> Expression:
+        return Expression(operator.neg, self)
+
+
+class Expression(Followed):
+    """An operation on parameters and numbers; made by arithmetic with a `Parameter`."""
+
+    def __init__(self, operation: Callable[..., Any], *operands: Any) -> None:
+        for operand in operands:
+            if not isinstance(operand, Followed):
+                as_floats("operand", operand, "a parameter or numbers")
+        self.operation, self.operands = operation, operands
+        _ = self.value  # refuses what is no number at once
+
+    @property
+    def value(self) -> float | Floats:
+        """The present value.
+
+        Raises:
+            ValueError: It is no finite number.
+        """
+        values = (o.value if isinstance(o, Followed) else np.asarray(o, dtype=float)[()] for o in self.operands)
+        try:
+            with np.errstate(all="ignore"):
+                array = np.asarray(self.operation(*values), dtype=float)
+        except ZeroDivisionError:
+            array = np.asarray(np.nan)
+        if not np.all(np.isfinite(array)):
+            raise ValueError(f"{self!r} = {array}: expected finite numbers")
+        return array if array.ndim else float(array)
+
+    def __repr__(self) -> str:
+        return f"Expression({self.operation.__name__}, {', '.join(map(repr, self.operands))})"
+
+
+class Parameter(Followed):
     """A number (or an array) that loads, prescribed displacements and gaps may have as their value.
 
     Setting `value` to another one is all that is needed before the next solve: stiffnesses, factorisations and
-    contacts are kept. Solutions found before keep the value that they were found with.
+    contacts are kept. Solutions found before keep the value that they were found with. Arithmetic with a parameter
+    gives what follows it in its turn: `2 * q`, `-q`, `[0, -q]` are values too.
 
     Args:
         value: The value at first, in the unit of what follows it.
@@ -29,6 +106,8 @@ class Parameter:
         >>> q.value = 20.0
         >>> q
         Parameter(20.0)
+        >>> (5 - 2 * q).value
+        -35.0
     """
 
     def __init__(self, value: ArrayLike) -> None:
@@ -83,10 +162,14 @@ class ParameterField:
 
 
 def current(value: Any) -> Any:
-    """The present value, detached from later changes of the parameter."""
-    if isinstance(value, Parameter):
+    """The present value, detached from later changes of the parameter; of a list with parameters a list."""
+    if isinstance(value, Followed):
         return value.value
-    return value.frozen() if isinstance(value, ParameterField) else value
+    if isinstance(value, ParameterField):
+        return value.frozen()
+    if isinstance(value, list | tuple) and parameters(value):
+        return [current(each) for each in value]
+    return value
 
 
 def refuse_parameter(name: str, value: Any) -> None:
@@ -96,13 +179,15 @@ def refuse_parameter(name: str, value: Any) -> None:
 
 
 def parameters(values: Any) -> list[Parameter]:
-    """The parameters among values and lists of values."""
+    """The parameters among values, lists of values and expressions."""
     found: list[Parameter] = []
     for value in values:
         if isinstance(value, Parameter):
             found.append(value)
         elif isinstance(value, ParameterField):
             found.append(value.parameter)
+        elif isinstance(value, Expression):
+            found += parameters(value.operands)
         elif isinstance(value, list | tuple):
             found += parameters(value)
     return found

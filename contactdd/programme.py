@@ -192,7 +192,8 @@ def programme(
     """The solutions of a scene for one value of a parameter after another, each started from the one before.
 
     A step that a callback or the time limit stops has not converged either: it ends the programme, "stopped".
-    Afterwards the parameter has the last value that was tried.
+    Afterwards the parameter has the last value that was tried. Layers that remember, such as gaskets, begin each step
+    as the one before has left them; `solutions[-1].scene_after` goes on.
 
     Args:
         scene: The scene.
@@ -261,7 +262,7 @@ def _run(
             path.status, path.failed = error.status, error.solution
             path.reason = f"step {number} of {len(values)}, value {parameter.value}: {error.reason}"
             break
-        start = solution
+        start, scene = solution, solution.scene_after
         path.values.append(parameter.value)
         for name, function in record.items():
             rows[name].append(np.asarray(function(solution), dtype=float))

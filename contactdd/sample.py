@@ -10,7 +10,7 @@ from dolfinx import cpp, fem, geometry
 from dolfinx.plot import vtk_mesh
 from numpy.typing import ArrayLike, NDArray
 
-from .base.arrays import Floats, Indices
+from .base.arrays import TINY, Floats, Indices
 from .base.basis import basis_values
 from .base.checks import as_floats
 from .base.facets import FacetPoints, facet_type, surface_points
@@ -62,7 +62,7 @@ def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
     nearest = cKDTree(interface.x).query(x)[1]
     normal = interface.normal[nearest]
     depth = np.sum((interface.x[nearest] - x) * normal, axis=1)
-    fade = 1.0 - np.clip(depth / max(float(depth.max()), np.finfo(float).tiny), 0.0, 1.0)
+    fade = 1.0 - np.clip(depth / max(float(depth.max()), TINY), 0.0, 1.0)
     shape = np.zeros(len(x))
     if np.any(interface.prescribed_gap):
         above = x + depth[:, None] * normal  # on the contact, where the gap is given
@@ -94,10 +94,10 @@ def surface_result(
         u,
         surface.facet_areas,
         np.clip(covered, 0.0, 1.0),
-        np.nan_to_num(mean((pressure > 0.0 if interface.hard else gap < 0.0).astype(float))),
+        np.nan_to_num(mean(interface.closed(gap, pressure).astype(float))),
         _facet_means(side, pressure),
         mean(gap),
-        mean(np.minimum(gap, 0.0)),
+        mean(interface.compressions(gap)),
         projected,
     )
 

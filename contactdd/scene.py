@@ -17,10 +17,12 @@ from .base.arrays import Floats
 from .base.checks import as_tuple_of, check_choice, listed
 from .base.ranks import Ranks
 from .body import Body
+from .coefficient_value import CoefficientValue, coefficient_values
 from .contact import Contact
 from .hard_contact import HardContact
 from .interface.discretise import Interface, discretise
 from .layer import Layer
+from .load import BodyLoad
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
 from .local.problem import LocalProblem
 from .local.space import admissible_space
@@ -63,6 +65,7 @@ class Scene:
         # On a single rank the weights for load balancing are not needed.
         self.ranks = Ranks(comm, [0.0 if comm.size == 1 or body.mesh is None else body.dofs for body in self.bodies])
         self._interfaces: list[Interface] | None = None
+        self._sliding: list[Interface] | None = None
         self._solvers: LocalSolvers | None = None
         self._read = self._parameter_values()
 
@@ -80,6 +83,18 @@ class Scene:
             ]
         return self._interfaces
 
+    @property
+    def sliding(self) -> list[Interface]:
+        """The interfaces of what resists sliding in the contacts, in their order; mostly none."""
+        if self._sliding is None:
+            self._sliding = []
+            for index, contact in enumerate(self.contacts):
+                if contact.sliding is not None:
+                    from .interface.sliding import sliding_interfaces
+
+                    self._sliding += sliding_interfaces(self.interfaces[index], index)
+        return self._sliding
+
     def local_problems(self, local_solver: str = "auto") -> list[LocalProblem]:
         """Every body's local problem, in order.
 
@@ -91,10 +106,13 @@ class Scene:
             ValueError: There is no local solver of that name.
         """
         check_choice("local_solver", local_solver, ("auto", *LOCAL_SOLVERS))
+        for body in self.bodies:
+            if body.mesh is not None:
+                body.refuse_changed_material()
         if self._parameter_values() != self._read:
             self.refresh()
         if self._solvers is None:
-            self._solvers = LocalSolvers(self.bodies, self.interfaces, self.ranks)
+            self._solvers = LocalSolvers(self.bodies, [*self.interfaces, *self.sliding], self.ranks)
         return self._solvers.problems(local_solver)
 
     def subproblems(self, local_solver: str = "auto") -> list[LocalProblem]:
@@ -109,9 +127,9 @@ class Scene:
     def refresh(self) -> None:
         """Read loads, prescribed displacements and gaps anew; stiffnesses, factorisations and contacts are kept.
 
-        A solve does it by itself when a `Parameter` of the scene has another value than before. Only a function that
-        changed in another way has to be told of. If a value cannot be read the scene stays as it was, and the next
-        solve reads again.
+        A solve does it by itself when a `Parameter` of the scene, or a Constant or Function of dolfinx in a UFL
+        expression, has another value than before. Only a function that changed in another way has to be told of. If a
+        value cannot be read the scene stays as it was, and the next solve reads again.
         """
         read, interfaces, solvers = self._parameter_values(), self._interfaces, self._solvers
         if interfaces is not None:
@@ -140,7 +158,9 @@ class Scene:
         other._interfaces = [
             interface.with_layer(c.layer) for interface, c in zip(self.interfaces, other.contacts, strict=True)
         ]
-        other._solvers = None if self._solvers is None else self._solvers.shared()
+        other._sliding = None
+        alike = [one.slides for one in self.sliding] == [one.slides for one in other.sliding]
+        other._solvers = self._solvers.shared() if alike and self._solvers is not None else None
         return other
 
     def with_bodies(self, bodies: Mapping[str, Body]) -> Scene:
@@ -181,6 +201,31 @@ class Scene:
             finer[name] = body.on(body.mesh.refined(wanted))
         return self.with_bodies(finer)
 
+    def hints(self) -> list[str]:
+        """What would make the scene smaller, in words: planes of symmetry that it has and does not use.
+
+        Two bodies that are mirror images of each other, or a whole scene that is symmetric about a plane across an
+        axis. Nothing is said of scenes with bodies without a mesh, springs or materials that are not isotropic. A look
+        at all nodes: no solve does it by itself.
+
+        Returns:
+            One text for each plane; empty if there is none.
+
+        Example:
+            >>> import contactdd as cd
+            >>> steel, mesh = cd.Isotropic(E=2e5, nu=0.3), cd.rectangle((0, 0), (2, 1), (2, 1))
+            >>> low = cd.Body("low", mesh, steel, loads=[cd.Pressure("bottom", 3.0)])
+            >>> high = cd.Body("high", mesh.moved((0, 1)), steel, loads=[cd.Pressure("top", 3.0)])
+            >>> scene = cd.Scene([low, high], [cd.Contact((low, "top"), (high, "bottom"), cd.LinearLayer(1e4))])
+            >>> for hint in scene.hints():
+            ...     print(hint.partition(":")[0])
+            bodies 'low' and 'high' are mirror images
+            the scene is symmetric about x = 1
+        """
+        from .hints import hints
+
+        return hints(self.bodies, [problem.dofs.load for problem in self.local_problems()], self.interfaces)
+
     def body_index(self, body: str | Body) -> int:
         """The index of a body in the scene.
 
@@ -211,7 +256,10 @@ class Scene:
         raise ValueError(f"contact = {contact!r}: expected an index or one of {known}")
 
     def parameter_values(self) -> list[float | Floats]:
-        """The present values of all parameters that loads, prescribed displacements and gaps follow."""
+        """The present values of all parameters that loads, prescribed displacements and gaps follow.
+
+        So do those of dolfinx' Constants and Functions in UFL expressions.
+        """
         return [parameter.value for parameter in self._parameters]
 
     @contextmanager
@@ -240,14 +288,24 @@ class Scene:
         return any(parameter is other for other in self._parameters)
 
     @cached_property
-    def _parameters(self) -> list[Parameter]:
-        """The parameters that any load, prescribed displacement or gap follows."""
-        items: list[Any] = list(self.contacts)
+    def _parameters(self) -> list[Parameter | CoefficientValue]:
+        """The parameters that any load, prescribed displacement or gap follows, and dolfinx' coefficients in them."""
+        found: list[Parameter | CoefficientValue] = []
+        for values in self._given():
+            found += parameters(values)
+            found += coefficient_values(values)
+        return found
+
+    def _given(self) -> Iterator[list[Any]]:
+        """The values of what is read anew for another solve: gaps, loads, supports, bodies without a mesh."""
+        yield from (list(vars(contact).values()) for contact in self.contacts)
         for body in self.bodies:
-            items += (body,) if body.mesh is None else (*body.loads, *body.supports)
-        return [parameter for item in items for parameter in parameters(vars(item).values())]
+            items: Sequence[Any] = (body,) if body.mesh is None else (*body.loads, *body.supports)
+            for item in items:
+                yield list(item.followed(body) if isinstance(item, BodyLoad) else vars(item).values())
 
     def _parameter_values(self) -> list[bytes]:
+        """The present values, to be compared with later ones."""
         return [np.asarray(parameter.value).tobytes() for parameter in self._parameters]
 
     def _check(self) -> None:

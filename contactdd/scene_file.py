@@ -19,10 +19,13 @@ from .base.arrays import Floats
 from .base.checks import listed
 from .body import Body
 from .contact import Contact
+from .eigenstrain import Eigenstrain, ThermalStrain
 from .files import read_mesh
 from .hard_contact import HardContact
 from .layer import LinearLayer, PowerLayer
+from .layers.bonded import BondedLayer
 from .layers.exponential import ExponentialLayer, OverclosureLayer
+from .layers.gasket import GasketLayer
 from .layers.hyperbolic import HyperbolicLayer
 from .layers.logarithmic import LogarithmicLayer
 from .layers.rough import GreenwoodWilliamsonLayer
@@ -34,12 +37,13 @@ from .mesh import box, rectangle
 from .parameter import Parameter
 from .partners.mirror_plane import MirrorPlane
 from .partners.rigid_body import RigidBody
+from .point_force import PointForce
 from .programme import LoadPath, programme
 from .scene import Scene
 from .shapes import Cone, Cylinder, FlatPunch, Plane, Sphere
 from .solution import Solution
 from .solve import solve
-from .support import Displacement, Fixed, Spring, Symmetry
+from .support import Displacement, Fixed, PointDisplacement, Spring, Symmetry
 
 #: What `type = "..."` may name, by the section or key that it stands in.
 TYPES: dict[str, dict[str, Callable[..., Any]]] = {
@@ -47,7 +51,7 @@ TYPES: dict[str, dict[str, Callable[..., Any]]] = {
     "layers": {
         **{kind.__name__: kind for kind in (PowerLayer, LinearLayer, HyperbolicLayer, LogarithmicLayer, TableLayer)},
         **{kind.__name__: kind for kind in (ExponentialLayer, OverclosureLayer, GreenwoodWilliamsonLayer)},
-        "SeriesLayer": SeriesLayer,
+        **{kind.__name__: kind for kind in (SeriesLayer, BondedLayer, GasketLayer)},
         "HardContact": HardContact,
         "PowerLayer.machined_joint": PowerLayer.machined_joint,
         "LinearLayer.elastic_foundation": LinearLayer.elastic_foundation,
@@ -55,8 +59,11 @@ TYPES: dict[str, dict[str, Callable[..., Any]]] = {
         "TableLayer.from_measurement": TableLayer.from_measurement,
     },
     "meshes": {"rectangle": rectangle, "box": box, "file": read_mesh},
-    "supports": {kind.__name__: kind for kind in (Fixed, Symmetry, Displacement, Spring)},
-    "loads": {kind.__name__: kind for kind in (Pressure, Traction, Resultant, BodyForce)},
+    "supports": {kind.__name__: kind for kind in (Fixed, Symmetry, Displacement, PointDisplacement, Spring)},
+    "loads": {
+        **{kind.__name__: kind for kind in (Pressure, Traction, Resultant, BodyForce, PointForce)},
+        **{kind.__name__: kind for kind in (ThermalStrain, Eigenstrain)},
+    },
     "shape": {kind.__name__: kind for kind in (Plane, Cylinder, Sphere, Cone, FlatPunch)},
     "bodies": {"elastic": Body, "rigid": RigidBody, "mirror": MirrorPlane},
 }
@@ -86,7 +93,7 @@ class SceneFileError(ValueError):
 
 @dataclass(frozen=True)
 class SceneFile:
-    """A scene in a TOML file, which `read_scene` has read: the scene, its load programme, and how it is solved.
+    """A scene in a TOML file, which `read_scene_file` has read: the scene, its load programme, and how it is solved.
 
     Attributes:
         path: The path of the file.
@@ -114,7 +121,7 @@ class SceneFile:
         return programme(self.scene, self.parameter, self.values, **self.options)
 
 
-def read_scene(path: str | Path) -> SceneFile:
+def read_scene_file(path: str | Path) -> SceneFile:
     """The scene in a TOML file, with meshes, materials, layers, bodies and contacts by their names.
 
     A number may be a formula in quotes, of the coordinates x, y, z, the parameter of the section [programme], pi, sqrt,
@@ -132,7 +139,7 @@ def read_scene(path: str | Path) -> SceneFile:
         SceneFileError: The file makes no scene; the message names the line and the key.
 
     Example:
-        >>> cd.read_scene("demos/groove.toml").solve()  # doctest: +SKIP
+        >>> cd.read_scene_file("demos/groove.toml").solve()  # doctest: +SKIP
     """
     path = Path(path)
     return _Reader(path, path.read_text()).read()
@@ -249,6 +256,8 @@ class _Reader:
             return self._of_type(key, "shape", value)
         if name == "layers":
             return [self.layer(key, item) for item in _as_list(value)]
+        if name in ("layer", "tension", "loading"):
+            return self.layer(key, value)
         if name == "material":
             return self._of_type(f"materials.{value}", "materials", self._named(key, "materials", value))
         if name == "mesh":
@@ -369,7 +378,19 @@ class _Reader:
 
 
 #: The arguments whose strings are formulas.
-FORMULAS = {"value", "values", "gap", "stiffness", "force", "moment", "displacement", "rotation", "E", "nu"}
+FORMULAS = {
+    "value",
+    "values",
+    "gap",
+    "stiffness",
+    "force",
+    "moment",
+    "displacement",
+    "rotation",
+    "temperature",
+    "E",
+    "nu",
+}
 #: The other parts of formulas.
 ALLOWED = (ast.BinOp, ast.UnaryOp, ast.Name, ast.Load, *OPERATORS)
 

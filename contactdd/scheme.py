@@ -8,14 +8,15 @@ sums φ (u_αn + u_βn)(v_αn + v_βn).
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .base.arrays import Floats
-from .base.checks import as_bool, as_floats, check_choice
+from .base.checks import as_bool, as_floats, check_choice, positional
+from .contact_sides import ContactSides
 from .layer import Layer
 
 #: A 0/1 function ψ of the gaps z (n,) and the points x (dim, n): where the Robin condition is set.
@@ -26,8 +27,12 @@ Subset = Callable[[Floats, Floats], Floats]
 STEPS = ("decomposed", "direct", "krylov", "auto")
 
 
-#: φ from the layer, the gaps z^k and z^{k−1} (n,) and the points x (dim, n).
-Coefficient = Callable[[Layer, Floats, Floats, Floats], Floats]
+#: φ from the layer, the gaps z^k and z^{k−1} (n,), the points x (dim, n) and, if it takes them, the contact's sides.
+Coefficient = Callable[..., Floats]
+
+
+#: What a coefficient takes.
+TAKEN = "(layer, z, z_previous, x) or (layer, z, z_previous, x, sides)"
 
 
 @dataclass(frozen=True)
@@ -37,11 +42,14 @@ class Scheme:
     Attributes:
         name: The name, as in `SCHEMES`.
         coefficient: φ >= 0 (n,) (stress / length), a function of the layer, the gaps z^k and z^{k−1} (n,) (length) and
-            the points x (dim, n).
+            the points x (dim, n); if it takes a fifth argument, that is the `ContactSides`: the contact, both bodies.
+            Of a decomposed scheme without an order it may be (2, n), a row for each body of the contact.
         step: "decomposed" (one problem per body), "direct" (the coupled matrix factored), "krylov" (the coupled problem
             by conjugate gradients, preconditioned by the bodies' own problems) or "auto" (direct or Krylov, by size).
         equation: The equation of the paper.
         accelerated: Whether Anderson's method mixes the iterates.
+        order: Of a decomposed scheme the names of all bodies, each solved with the displacements of those before it
+            (the alternating method); names in a list of their own are solved at once. By default all are.
 
     Raises:
         TypeError, ValueError: A field is none of these.
@@ -51,6 +59,7 @@ class Scheme:
         >>> secant = cd.Scheme("secant", lambda law, z, old, x: law.divided_difference(old, z), "direct", "(26)")
         >>> secant.phi(cd.LinearLayer(50.0), np.array([-0.1, 0.2]), np.array([-0.2, 0.1]), np.zeros((2, 2)))
         array([50.,  0.])
+        >>> alternating = cd.Scheme("alternating", secant.coefficient, "decomposed", "", order=["lower", "upper"])
     """
 
     name: str
@@ -58,33 +67,71 @@ class Scheme:
     step: str
     equation: str
     accelerated: bool = False
+    order: Sequence[str | Sequence[str]] | None = None
 
     def __post_init__(self) -> None:
         for name in ("name", "equation"):
             if not isinstance(getattr(self, name), str):
                 raise TypeError(f"{name} = {getattr(self, name)!r}: expected a text")
         if not callable(self.coefficient):
-            raise TypeError(f"coefficient = {self.coefficient!r}: expected a function (layer, z, z_previous, x) -> φ")
+            raise TypeError(f"coefficient = {self.coefficient!r}: expected a function {TAKEN} -> φ")
+        if positional(self.coefficient) not in (4, 5, None):
+            raise TypeError(
+                f"coefficient = {self.coefficient!r}: it takes {positional(self.coefficient)} arguments; expected a "
+                f"function {TAKEN} -> φ"
+            )
         if self.step == "apart":
             warnings.warn('step = "apart" is now called "decomposed"', DeprecationWarning, stacklevel=3)
             object.__setattr__(self, "step", "decomposed")
         check_choice("step", self.step, STEPS)
         as_bool("accelerated", self.accelerated)
+        if self.order is not None and (not self.decomposed or isinstance(self.order, str)):
+            raise ValueError(f'order = {self.order!r}: expected a list of names of bodies, with step = "decomposed"')
+        if self.order is not None:
+            order = tuple(each if isinstance(each, str) else tuple(each) for each in self.order)
+            object.__setattr__(self, "order", order)
 
-    def phi(self, layer: Layer, z: Floats, z_previous: Floats, x: Floats) -> Floats:
-        """The Robin coefficient φ at the points of a contact, (n,) (stress / length).
+    @property
+    def groups(self) -> list[list[str]]:
+        """The names of the bodies that are solved at once, one list after another; empty if all are."""
+        return [[each] if isinstance(each, str) else list(each) for each in self.order or ()]
+
+    @property
+    def two_sided(self) -> bool:
+        """Whether the coefficient sees the bodies on both sides."""
+        return self.coefficient not in COEFFICIENTS and positional(self.coefficient) == 5
+
+    def phi(self, layer: Layer, z: Floats, z_previous: Floats, x: Floats, sides: ContactSides | None = None) -> Floats:
+        """The Robin coefficient φ at the points of a contact, (n,) or (2, n), a row a body (stress / length).
 
         Args:
             layer: The layer law.
             z: z^k (n,), the gaps of the present iterate (length).
             z_previous: z^{k−1} (n,), those of the iterate before (length).
             x: (dim, n) The coordinates of the points (length).
+            sides: The contact and both bodies, which a two-sided coefficient takes.
 
         Raises:
             TypeError, ValueError: The user's own coefficient gives anything but n numbers >= 0.
         """
-        values = self.coefficient(layer, z, z_previous, x)
-        return values if self.coefficient in COEFFICIENTS else _checked(self.name, values, z)
+        seen = (layer, z, z_previous, x)
+        values = self.coefficient(*seen, sides) if self.two_sided else self.coefficient(*seen)
+        return values if self.coefficient in COEFFICIENTS else self._checked(values, z)
+
+    def _checked(self, values: ArrayLike, z: Floats) -> Floats:
+        """The values of a user's coefficient, refused unless they are a number >= 0 at every point."""
+        phi = as_floats("phi", values, f"an array of {len(z)} numbers")
+        able = [z.shape, (2, len(z))] if self.decomposed and self.order is None else [z.shape]
+        if phi.shape not in able:
+            expected = " or ".join(map(str, able))
+            raise ValueError(
+                f"scheme {self.name!r}: φ has the shape {phi.shape} at {len(z)} points; expected {expected}"
+            )
+        wrong = ~(phi >= 0.0) & np.isfinite(z)  # where the gap is no number, φ need not be one
+        if np.any(wrong):
+            at = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
+            raise ValueError(f"scheme {self.name!r}: φ = {phi[at]:g} where the gap is {z[at[-1]]:g}; expected φ >= 0")
+        return phi
 
     @property
     def decomposed(self) -> bool:
@@ -154,18 +201,6 @@ def _subset(values: ArrayLike, z: Floats) -> NDArray[np.bool_]:
     if not np.all((psi == 0.0) | (psi == 1.0)):
         raise ValueError(f"psi: {psi[(psi != 0.0) & (psi != 1.0)].flat[0]:g} at a point; expected 0 or 1")
     return np.broadcast_to(psi == 1.0, z.shape)
-
-
-def _checked(name: str, values: ArrayLike, z: Floats) -> Floats:
-    """The values of a user's coefficient, refused unless they are a number >= 0 at every point."""
-    phi = as_floats("phi", values, f"an array of {len(z)} numbers")
-    if phi.shape != z.shape:
-        raise ValueError(f"scheme {name!r}: φ has the shape {phi.shape} at {len(z)} points; expected {z.shape}")
-    wrong = ~(phi >= 0.0) & np.isfinite(z)  # where the gap is no number, φ need not be one
-    if np.any(wrong):
-        at = int(np.argmax(wrong))
-        raise ValueError(f"scheme {name!r}: φ = {phi[at]:g} where the gap is {z[at]:g}; expected φ >= 0")
-    return phi
 
 
 #: The coefficients of the schemes here, whose values need no check.

@@ -16,7 +16,7 @@ from .base.checks import finite
 from .body import Body
 from .errors import LargeStrainWarning
 from .interface.discretise import Interface
-from .material import Isotropic, Material
+from .material import Isotropic
 
 #: The strain from which on linear theory is doubtful. Green's strain is ε + ½ ∇uᵀ∇u: what linear theory leaves out is
 #: about half of ε², relative to ε 5 % at ε = 0.1.
@@ -97,7 +97,7 @@ def _noted(interface: Interface, gap: Floats) -> bool:
     thickness, stiffness = (min(values) for values in zip(*scales, strict=True))
     if np.abs(interface.gap - gap).max(initial=0.0) > NOTED_APPROACH * thickness:
         return True
-    return -interface.layer.contact_stress(gap).min(initial=0.0) > NOTED_PRESSURE * stiffness
+    return np.abs(interface.layer.contact_stress(gap)).max(initial=0.0) > NOTED_PRESSURE * stiffness
 
 
 _known: WeakKeyDictionary[Body, tuple[float, float]] = WeakKeyDictionary()
@@ -106,16 +106,19 @@ _known: WeakKeyDictionary[Body, tuple[float, float]] = WeakKeyDictionary()
 def _scales(body: Body) -> tuple[float, float]:
     """A body's thickness, the shortest side of its bounding box, and its smallest stiffness; both never change."""
     if body not in _known:
-        _known[body] = float(body.mesh.extent.min()), _least_stiffness(body.material, body.mesh.domain.geometry.x)
+        _known[body] = float(body.mesh.extent.min()), _least_stiffness(body)
     return _known[body]
 
 
-def _least_stiffness(material: Material, x: Floats) -> float:
-    """The smallest eigenvalue of C, at the middle of the nodes x (n, 3) where the material varies."""
+def _least_stiffness(body: Body) -> float:
+    """The smallest eigenvalue of C, that at the middle of a cell where the material varies."""
+    material = body.material
     if isinstance(material, Isotropic) and not material.varies:  # 3λ + 2μ, 2μ and, of shear, μ: with no matrix
         E, nu = finite("E", material.E), finite("nu", material.nu)
         return min(E / (1 - 2 * nu), E / (2 * (1 + nu)))
-    stiffness = material.stiffness(x.mean(axis=0)[:, None] if material.varies else None)
+    if not material.varies:
+        return float(np.linalg.eigvalsh(material.stiffness()).min())
+    stiffness = body.stiffness_at(body.mesh.middles.T, np.arange(body.mesh.cells, dtype=np.int32))
     return float(np.linalg.eigvalsh(stiffness).min())
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import cached_property, partial
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import basix.ufl
 import numpy as np
@@ -31,6 +32,7 @@ from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
 
 if TYPE_CHECKING:
+    from .layers.gasket import GasketAtPoints
     from .local.problem import Fields
     from .saved import SavedSolution
     from .scene import Scene
@@ -105,7 +107,7 @@ class Solution:
     @property
     def interfaces(self) -> Sequence[Interface]:
         """The discretised contacts as they were solved; a parameter may have changed the scene's since."""
-        return self._ensemble.interfaces
+        return self._ensemble.interfaces[: len(self.scene.contacts)]
 
     def displacement(self, body: str | Body) -> fem.Function:
         """The displacement of a body (length), a dolfinx function; of a body without a mesh its unknowns, (dofs,).
@@ -167,7 +169,20 @@ class Solution:
                 pressure = _law_pressure(interface, gaps)
             else:  # a linear field, which the gaps between its nodes tell nothing of
                 pressure = interface.functions.interpolated(gathered @ pressure)
-        return _contact_result(interface, gaps, pressure, stiffness_ratio, wavers)
+        result = _contact_result(interface, gaps, pressure, stiffness_ratio, wavers)
+        return result if interface.contact.sliding is None else self._with_slip(result, index, degree, interface)
+
+    def _with_slip(self, result: ContactResult, index: int, degree: int | None, interface: Interface) -> ContactResult:
+        """The result of a contact with its slip and the shear tractions."""
+        from .interface.sliding import sliding_interfaces, slip
+
+        if degree is None:
+            state = zip(self._ensemble.interfaces, self._state.gaps, strict=True)
+            known = [(i, gaps) for i, gaps in state if i.slides == index]
+        else:
+            known = [(i, -self._closed(i)) for i in sliding_interfaces(interface, index)]
+        slips, tractions = slip(known)
+        return replace(result, slip=slips, shear=tractions)
 
     def contact_at(self, other: Interface) -> tuple[Floats, Floats]:
         """The gap (length) and the contact pressure (stress), (points,) each, at the points of the same contact as it
@@ -188,9 +203,34 @@ class Solution:
         return gaps, _law_pressure(seen, gaps)
 
     @property
+    def scene_after(self) -> Scene:
+        """The scene with its layers as this solution leaves them, to go on from; itself if none remembers.
+
+        Raises:
+            ValueError: A layer remembers and this solution did not converge.
+        """
+        scene = self.scene
+        for contact, interface, gaps in zip(self.scene.contacts, self.interfaces, self._gaps, strict=True):
+            if interface.layer.remembers:
+                if not self.converged:
+                    raise ValueError(f"status = {self.status!r}: expected a converged solution, whose closures count")
+                scene = scene.with_layer(interface.layer_after(gaps), contact.name)
+        return scene
+
+    @property
+    def dissipated_energy(self) -> float:
+        """The energy that layers which remember have taken in all loading so far and will not give back."""
+        total = 0.0
+        for interface, gaps in zip(self.interfaces, self._gaps, strict=True):
+            if interface.layer.remembers:
+                part = 0.5 if interface.mirrored else 1.0  # energies are those of one half
+                total += part * float(interface.weights @ _memory(interface, gaps).dissipation)
+        return total
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """Remarks on the result: contacts where a layer is compressed further than its law is known."""
-        found = (_passed(i, z) for i, z in zip(self.interfaces, self._state.gaps, strict=True))
+        found = (_passed(i, z) for i, z in zip(self.interfaces, self._gaps, strict=True))
         return tuple(note for note in found if note)
 
     def contact_surface(self, contact: str | int | Contact = 0, *, second: bool = False) -> SurfaceResult:
@@ -252,6 +292,8 @@ class Solution:
     def elastic_energy(self, body: str | Body | None = None) -> float:
         """The elastic energy ½ a(u, u) of a body or of all, that of springs included (force · length).
 
+        Where there are eigenstrains, such as those of heat, it is that of the strains less these.
+
         Args:
             body: Its name or the `Body`; by default all.
         """
@@ -266,29 +308,29 @@ class Solution:
 
     @cached_property
     def energy(self) -> float:
-        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13)."""
+        """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); L holds eigenstrains, too."""
         return self._ensemble.energy(self._state) - self._penalty_energy
 
     @property
     def _penalty_energy(self) -> float:
         """The energy of hard contacts in the augmented Lagrangian."""
-        contacts = zip(self.interfaces, self._state.gaps, strict=True)
+        contacts = zip(self._ensemble.interfaces, self._state.gaps, strict=True)
         return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts if i.hard)
 
     @property
     def multipliers(self) -> list[Floats]:
-        """The pressures (points,) of every contact if one of them is hard, to go on from; else an empty list."""
-        return [self._pressure(index) for index in range(len(self.interfaces))] if self._state.shifts else []
+        """The pressures (points,) of every interface if a contact is hard, to go on from; else an empty list."""
+        return [self._pressure(index) for index in range(len(self._state.gaps))] if self._state.shifts else []
 
     @property
     def _gaps(self) -> list[Floats]:
         """The deformed gaps z at the points of every interface, of hard contacts too."""
-        gaps, shifts = self._state.gaps, self._state.shifts
-        return [z + s for z, s in zip(gaps, shifts, strict=True)] if shifts else gaps
+        gaps, shifts = self._state.gaps[: len(self.scene.contacts)], self._state.shifts
+        return [z + s for z, s in zip(gaps, shifts, strict=False)] if shifts else gaps
 
     def _pressure(self, index: int) -> Floats:
         """The contact pressure at the points of an interface."""
-        return _law_pressure(self.interfaces[index], self._state.gaps[index])
+        return _law_pressure(self._ensemble.interfaces[index], self._state.gaps[index])
 
     def stress(self, body: str | Body) -> fem.Function:
         """The six stresses of a body, a dolfinx function, in the order xx, yy, zz, yz, xz, xy.
@@ -306,10 +348,12 @@ class Solution:
         element = inner_element(owner.mesh.domain, degree)
         space = fem.functionspace(owner.mesh.domain, basix.ufl.blocked_element(element, shape=(6,)))
         matrix = owner.material_coefficient(owner.kinematics.full_stress, element)
-        strain = owner.kinematics.strain(self.displacement(owner))
-        expression = fem.Expression(matrix * strain, compat.expression_points(space.element))
+        stress = matrix * owner.kinematics.strain(self.displacement(owner))
         function = fem.Function(space, name="stress")
-        function.interpolate(expression)
+        with self.scene.at(self.parameter_values) if owner.has_eigenstrain else nullcontext():
+            if owner.has_eigenstrain:
+                stress -= owner.material_coefficient(owner.kinematics.full_eigenstress, element) * owner.eigenstrain()
+            function.interpolate(fem.Expression(stress, compat.expression_points(space.element)))
         return function
 
     def forces(self, body: str | Body) -> dict[str, Floats]:
@@ -407,7 +451,7 @@ class Solution:
 
     def warn_of_large_strains(self) -> None:
         """Warn (`LargeStrainWarning`) where linear theory is doubtful; look closer only where contacts hint at it."""
-        if small_strains.suspicious(self.interfaces, self._state.gaps) and self.scene.ranks.comm.rank == 0:
+        if small_strains.suspicious(self._ensemble.interfaces, self._state.gaps) and self.scene.ranks.comm.rank == 0:
             small_strains.warn(self.strain_sizes)
 
     def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
@@ -595,25 +639,36 @@ class Solution:
 
 
 def _passed(interface: Interface, gaps: Floats) -> str:
-    """The note on a contact whose layer is compressed beyond the limit of its law; empty if there is none."""
-    contact, limit = interface.contact, interface.layer.compression_limit
+    """The note on a contact whose layer is compressed or stretched beyond its law's limit; empty if there is none."""
+    law = interface.layer
+    pressed = _beyond(interface, -gaps, law.compression_limit, "compressed")
+    return pressed or _beyond(interface, gaps, getattr(law, "extension_limit", math.inf), "stretched")
+
+
+def _beyond(interface: Interface, extent: Floats, limit: float | Floats, what: str) -> str:
+    """The note on a contact whose layer is compressed or stretched by more than a limit."""
     if limit is math.inf:
         return ""
-    limit = np.broadcast_to(limit, gaps.shape)
-    beyond = -gaps > limit * (1 + 1e-9)  # at the last point itself rounding tells nothing
+    limit = np.broadcast_to(limit, extent.shape)
+    beyond = extent > limit * (1 + 1e-9)  # at the last point itself rounding tells nothing
     if not np.any(beyond):
         return ""
-    worst = int(np.argmax(np.where(beyond, -gaps / limit, 0.0)))
+    worst = int(np.argmax(np.where(beyond, extent / limit, 0.0)))
     share = float(interface.weights @ beyond) / float(interface.weights.sum())
     return (
-        f"contact {contact.name!r}: on {share:.2g} of its area the layer is compressed further than its law is known, "
-        f"to {-gaps[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
+        f"contact {interface.contact.name!r}: on {share:.2g} of its area the layer is {what} further than its law is "
+        f"known, to {extent[worst]:.6g} where it is known to {limit[worst]:.6g}; beyond, it is taken to go on straight"
     )
 
 
 def _law_pressure(interface: Interface, gaps: Floats) -> Floats:
     """The contact pressure −g⁻(z) of gaps z at the points of an interface."""
     return 0.0 - interface.layer.contact_stress(gaps)
+
+
+def _memory(interface: Interface, gaps: Floats) -> GasketAtPoints:
+    """The layer of a contact that remembers, as these gaps leave it."""
+    return cast("GasketAtPoints", interface.layer_after(gaps))
 
 
 def _resampled(interface: Interface, degree: int) -> Interface:
@@ -650,7 +705,7 @@ def _contact_result(
         interface.normal,
         interface.weights,
         gaps,
-        np.minimum(gaps, 0.0),
+        interface.compressions(gaps),
         found.at_points if wavers else pressure,
         interface.unpaired_area,
         interface.gap,
@@ -660,14 +715,16 @@ def _contact_result(
         wavers,
         interface.hard,
         found,
+        interface.layer.bonded,
+        largest_closure=_memory(interface, gaps).closures if interface.layer.remembers else None,
     )
 
 
 def _stiffness_ratio(interface: Interface, gaps: Floats, pressure: Floats) -> float:
-    """k h/E: the layer's stiffness where it presses, beside that of the softer body's facets; 0 without a layer."""
+    """k h/E: the layer's stiffness where it works, beside that of the softer body's facets; 0 without a layer."""
     if interface.hard:
         return 0.0
-    pressing = pressure > 0.0
-    shares = interface.weights[pressing] * pressure[pressing]
+    pressing = pressure != 0.0
+    shares = interface.weights[pressing] * np.abs(pressure[pressing])
     stiffness = interface.layer.contact_derivative(gaps)[pressing]  # at all points: a law may vary
     return float(shares @ stiffness / shares.sum()) / interface.facet_stiffness if np.any(pressing) else 0.0

@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from functools import wraps
 from pathlib import Path
-from typing import ParamSpec
+from typing import TYPE_CHECKING, ParamSpec, cast
 
 import numpy as np
 
 from .base.checks import as_bool, as_count, check_choice, finite, positive
 from .doubts import warn_of_doubts
-from .errors import NoEquilibriumError, NotConvergedError
+from .errors import CheckpointError, NoEquilibriumError, NotConvergedError
 from .hard_contact import HardContact
 from .history import Record
 from .iteration.augmented import AugmentedRun
-from .iteration.checkpoint import CheckpointWriter, read
+from .iteration.checkpoint import CheckpointWriter, closures, read
 from .iteration.interruption import interrupts_agreed
 from .iteration.progress import Progress
 from .iteration.run import Run
 from .iteration.step import find_step
 from .iteration.stopping import StoppingCriterion, Termination
+from .relaxation import Gamma, Relaxation, relaxations
 from .scene import Scene
 from .scheme import Scheme, find_scheme
 from .solution import Solution
@@ -33,7 +33,9 @@ from .system import start as starts
 from .system.ensemble import Ensemble
 from .system.likeness import refuse_differences
 
-Gamma = float | Iterable[float] | Callable[[int], float] | str
+if TYPE_CHECKING:
+    from .layers.gasket import GasketLayer
+
 P = ParamSpec("P")
 
 
@@ -86,9 +88,9 @@ def solve(
             "anderson" (the chord method, accelerated), the coupled "newton" (17), "newton-chord" (26) and
             "newton-kurchatov" (27), "newton-krylov" (17) (its linear systems by conjugate gradients, preconditioned by
             solves of the single bodies), or a `Scheme`.
-        gamma: The relaxation γ > 0: a number, a sequence (the run ends with it), a function of the iteration from 0, or
-            "search" for the minimum of the energy F₁; by default 0.6 for the decomposed methods and "search" for the
-            others.
+        gamma: The relaxation γ > 0: a number, a sequence (the run ends with it), a function of the iteration k
+            from 0, or of k and the `Correction` with the history, such as Aitken's; or "search" for the minimum of the
+            energy F₁; by default 0.6 for the decomposed methods and "search" for the others.
         tolerance: The bound of the stopping criterion (no unit).
         criterion: "residual": ‖F₁'(u)‖ relative to the forces at work; or "change", the paper's rule,
             ‖u_n^{k+1} − u_n^k‖₂ ≤ tolerance ‖u_n^{k+1}‖₂ for every body.
@@ -157,6 +159,8 @@ def solve(
         refuse_differences(scene, way | given | limits | ends)
     if file is not None and _is_hard(scene):
         raise ValueError(f"checkpoint = {checkpoint!r}: hard contacts' multipliers are not kept; expected None")
+    if file is not None and resume and ranks.once(file.exists):
+        scene = _remembering(scene, file)
     ensemble = _ensemble(scene, scheme, local_solver)
     step = find_step(scheme, ensemble, ranks)
     run: Run | AugmentedRun
@@ -184,6 +188,18 @@ def solve(
     return solution
 
 
+def _remembering(scene: Scene, file: Path) -> Scene:
+    """The scene with what its gaskets remembered when a checkpoint was written."""
+    gaskets = [index for index, interface in enumerate(scene.interfaces) if interface.layer.remembers]
+    known = closures(file, scene.ranks) if gaskets else {}
+    for index in gaskets:
+        contact, x = scene.contacts[index], scene.interfaces[index].x.T
+        if known.get(index, np.zeros(0)).shape != x.shape[1:]:
+            raise CheckpointError(f"checkpoint = {str(file)!r}: no closures of contact {contact.name!r} at its points")
+        scene = scene.with_layer(cast("GasketLayer", contact.layer).remembering(x, known[index]), contact.name)
+    return scene
+
+
 def _is_hard(scene: Scene) -> bool:
     """Whether a contact of the scene has no layer."""
     return any(isinstance(contact.layer, HardContact) for contact in scene.contacts)
@@ -194,7 +210,7 @@ def _ensemble(scene: Scene, scheme: Scheme, local_solver: str) -> Ensemble:
     problems, interfaces = scene.local_problems(local_solver), scene.interfaces
     if scheme.decomposed and _is_hard(scene):
         interfaces = [interface.decomposed() for interface in interfaces]
-    return Ensemble(problems, interfaces)
+    return Ensemble(problems, [*interfaces, *scene.sliding])
 
 
 def _raise_failure(solution: Solution, ending: Termination) -> None:
@@ -215,21 +231,11 @@ def _rule(tolerance: float, criterion: str, most: int, scheme: Scheme) -> Stoppi
     return StoppingCriterion(positive("tolerance", tolerance), criterion, most, 250 if scheme.decomposed else 40)
 
 
-def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[float | None]:
+def _relaxation(gamma: Gamma | None, scheme: Scheme) -> Iterator[Relaxation]:
     """The relaxations γ^0, γ^1, …; None where γ is found by a line search."""
     if gamma is None:
         gamma = BEST_GAMMA if scheme.decomposed else "search"
-    if isinstance(gamma, str):
-        check_choice("gamma", gamma, ("search",))
-        return itertools.repeat(None)
-    if callable(gamma):
-        return (positive("gamma", gamma(k)) for k in itertools.count())
-    if isinstance(gamma, Iterable) and np.asarray(gamma).ndim > 0:
-        values = [positive("gamma", value) for value in gamma]
-        if not values:
-            raise ValueError(f"gamma = {gamma!r}: expected at least one number")
-        return iter(values)
-    return itertools.repeat(positive("gamma", gamma))
+    return relaxations(gamma)
 
 
 def _file(checkpoint: str | Path | None, resume: bool) -> Path | None:

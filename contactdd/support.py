@@ -11,8 +11,9 @@ import ufl
 from dolfinx import fem
 from numpy.typing import NDArray
 
+from .base import compat
 from .base.arrays import Floats
-from .base.checks import as_floats, check_choice, check_vector, positive
+from .base.checks import as_floats, check_choice, check_vector, finite, positive
 from .base.facets import surface_points
 from .elements import Elements
 from .field import Field, check_field, coefficient, evaluate
@@ -87,7 +88,8 @@ class Displacement:
     Args:
         surface: The name of the surface.
         values: One per coordinate (length), None where it is free: a number, a function of the coordinates x (3,
-            points) or a `Parameter`.
+            points), a `Parameter` or a UFL expression, such as a component of a dolfinx Function; or such a Function of
+            vectors on the body's mesh. It is taken at the nodes, as dolfinx interpolates.
 
     Raises:
         TypeError, ValueError: A value can be no displacement.
@@ -98,16 +100,20 @@ class Displacement:
     """
 
     surface: str
-    values: Sequence[Field | None]
+    values: Sequence[Field | None] | Any  # UFL's expressions have no types
 
     def __post_init__(self) -> None:
+        if isinstance(self.values, ufl.core.expr.Expr):
+            if self.values.ufl_shape not in ((2,), (3,)):
+                raise ValueError(f"values: a UFL expression of shape {self.values.ufl_shape}; expected (2,) or (3,)")
+            return
         if not isinstance(self.values, list | tuple | np.ndarray):
             raise TypeError(f"values = {self.values!r}: expected a list, one entry per coordinate (None where free)")
         for value in self.values:
             if value is not None:
-                if isinstance(value, ufl.core.expr.Expr):
-                    raise TypeError(f"displacement = {value!r}: expected a number or a function of the coordinates")
                 check_field("displacement", value)
+                if isinstance(value, ufl.core.expr.Expr) and value.ufl_shape != ():
+                    raise ValueError(f"displacement: expected a UFL expression of shape (), got {value.ufl_shape}")
 
     def check(self, dim: int) -> None:
         """Refuse another number of values than a body of that dimension has coordinates.
@@ -118,8 +124,15 @@ class Displacement:
         Raises:
             ValueError: It does not fit.
         """
-        if len(self.values) != dim:
+        if len(self._components) != dim:
             raise ValueError(f"values = {self.values!r}: expected {dim} entries (None where free)")
+
+    @property
+    def _components(self) -> Sequence[Any]:
+        """One value per coordinate."""
+        if isinstance(self.values, ufl.core.expr.Expr):
+            return [self.values[axis] for axis in range(self.values.ufl_shape[0])]
+        return self.values
 
     def conditions(self, on: Elements) -> Iterator[Condition]:
         """The prescribed components: nodes, a unit direction and the values of u·direction there.
@@ -127,13 +140,70 @@ class Displacement:
         Args:
             on: The elements of the body.
         """
-        if len(self.values) != on.dim:
-            raise ValueError(f"values = {self.values!r}: expected {on.dim} entries (None where free)")
+        self.check(on.dim)
         nodes = on.nodes(self.surface)
         x = on.coordinates(nodes)
+        for axis, value in zip(np.eye(on.dim), self._components, strict=True):
+            if isinstance(value, ufl.core.expr.Expr):
+                yield nodes, axis, evaluate("displacement", _at_nodes(value, axis, on)[nodes], x)
+            elif value is not None:
+                yield nodes, axis, evaluate("displacement", value, x)
+
+
+@dataclass(frozen=True, eq=False)
+class PointDisplacement:
+    """Prescribed displacements of single nodes of the mesh.
+
+    Where the corners of an edge, a face or a cell are all held, the nodes that elements have in between are, too; but
+    the middle of the edge of a cell of second order is held only if it is among the points. A single node that is held
+    in a direction in which forces act has an infinite displacement in theory; hold surfaces there.
+
+    Args:
+        points: (n, dim) The places of nodes (length).
+        values: One number per coordinate (length), None where they are free.
+
+    Raises:
+        TypeError, ValueError: The points are none, or a value is no finite number.
+
+    Example:
+        >>> PointDisplacement([[0.0, 0.0]], (0.0, None)).values  # keeps a body that slides along y from moving along x
+        (0.0, None)
+    """
+
+    points: Floats | Sequence[Sequence[float]]
+    values: Sequence[float | None]
+
+    def __post_init__(self) -> None:
+        array = as_floats("points", self.points, "coordinates of points (n, dim)")
+        if array.ndim != 2 or len(array) == 0 or not np.all(np.isfinite(array)):
+            raise ValueError(f"points = {self.points!r}: expected the finite coordinates of points, (n, dim)")
+        object.__setattr__(self, "points", array)
+        for value in self.values:
+            if value is not None:
+                finite("displacement", value)
+
+    def check(self, dim: int) -> None:
+        """Refuse another number of coordinates than a body of that dimension has.
+
+        Args:
+            dim: The number of coordinates.
+
+        Raises:
+            ValueError: It does not fit.
+        """
+        if len(self.values) != dim or np.shape(self.points)[1] != dim:
+            raise ValueError(f"values = {self.values!r}: expected {dim} entries, and points of {dim} coordinates")
+
+    def conditions(self, on: Elements) -> Iterator[Condition]:
+        """The prescribed components: nodes, a unit direction and the values of u·direction there.
+
+        Args:
+            on: The elements of the body.
+        """
+        nodes = on.nodes_between(on.nodes_at(np.asarray(self.points)))
         for axis, value in zip(np.eye(on.dim), self.values, strict=True):
             if value is not None:
-                yield nodes, axis, evaluate("displacement", value, x)
+                yield nodes, axis, np.full(len(nodes), float(value))
 
 
 @dataclass(frozen=True)
@@ -162,6 +232,8 @@ class Spring:
 
     def __post_init__(self) -> None:
         refuse_parameter("stiffness", self.stiffness)
+        if isinstance(self.stiffness, ufl.core.expr.Expr):
+            raise TypeError("stiffness: a UFL expression; expected a number or a function of the coordinates")
         if not callable(self.stiffness):
             positive("stiffness", self.stiffness)
         if isinstance(self.direction, str):
@@ -222,7 +294,15 @@ class Spring:
         return fem.Constant(on.domain, direction / np.linalg.norm(direction))
 
 
-Support = Fixed | Symmetry | Displacement | Spring
+Support = Fixed | Symmetry | Displacement | PointDisplacement | Spring
+
+
+def _at_nodes(value: Any, axis: Floats, on: Elements) -> Floats:
+    """The values of a UFL expression at all nodes, (nodes,); axis: a unit vector along one of the coordinates."""
+    vector = ufl.as_vector([value if component else ufl.zero() for component in axis])
+    function = fem.Function(on.space)
+    function.interpolate(fem.Expression(vector, compat.expression_points(on.space.element)))
+    return np.asarray(function.x.array.reshape(-1, on.dim) @ axis)
 
 
 def _plane_normals(on: Elements, surfaces: Sequence[str]) -> Iterator[tuple[str, Floats]]:

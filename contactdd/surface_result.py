@@ -25,7 +25,7 @@ class SurfaceResult:
         displacement: (m, dim) The body's displacements at the nodes (length).
         areas: (f,) The areas of the facets, those of the full ring in a body of revolution.
         covered: (f,) The fraction of each facet that lies opposite the other surface.
-        closed: (f,) The fraction of the covered part where the layer is compressed.
+        closed: (f,) The fraction of the covered part where the layer is compressed; all of it where it is bonded.
         pressure: (f,) The mean contact pressure of each facet, so that areas @ pressure is the contact force (stress).
         gap, compression: (f,) The means over the covered part (length); not a number where nothing is covered.
         projected_pressure: (m,) The `ContactResult.nodal_pressure` at the nodes (stress); None on the surface that it
@@ -71,11 +71,12 @@ class SurfaceResult:
         """The edge of contact in space as line segments, (e, 2, 3) (length): where the gap is zero between facets.
 
         The gap is taken as linear from each facet's middle, where it is the facet's mean, to its corners, where it is
-        the mean of the facets around. The surface's own rim is not part of the edge. (0, 2, dim) in the plane.
+        the mean of the facets around. The surface's own rim is not part of the edge, nor has a bond any. (0, 2, dim) in
+        the plane.
         """
         outlines = self.outlines
-        if outlines.shape[2] == 2:
-            return np.zeros((0, 2, 2))
+        if outlines.shape[2] == 2 or np.all(self.closed == 1.0):
+            return np.zeros((0, 2, outlines.shape[2]))
         told = ~np.isnan(self.gap)
         outlines, middle = outlines[told], self.gap[told]
         nodes = self.cells[told][:, : outlines.shape[1]]

@@ -70,7 +70,8 @@ def test_an_exponential_law_met_many_decay_lengths_deep(depth, method):
         lambda p: w0 * np.log1p(p / p0) + 2 * p / modulus - depth * w0, 0.0, depth * w0 * modulus, rtol=1e-14
     )
     assert solution.contact().pressure == pytest.approx(right, rel=1e-9)
-    assert np.all(np.diff(solution.history.energy) <= 0.0)
+    energy = solution.history.energy
+    assert np.all(np.diff(energy) <= 1e-15 * energy[-1])  # at the end it rounds, either way
 
 
 @pytest.mark.parametrize("method", ["auto", "newton-krylov", "newton", "anderson"])

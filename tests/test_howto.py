@@ -16,7 +16,6 @@ PICTURES = {
     "imported_mesh": ["clamp.png", "pad.png"],
     "joint_stiffness": ["stiffness.png"],
     "load_cycle": ["steps.png", "multiples.png"],
-    "own_method": ["methods.png"],
     "press_fit": ["rings.png"],
     "punch_on_coating": ["punch.png"],
     "sphere_on_plate": ["sphere.png"],

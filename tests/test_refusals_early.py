@@ -72,10 +72,10 @@ REFUSED = {
         ValueError,
         r"traction: expected a UFL expression of shape \(2,\)",
     ),
-    "an expression as a displacement": (
-        lambda: cd.Displacement("top", [x_of(square()), None]),
-        TypeError,
-        "displacement = .*function of the coordinates",
+    "an expression of another mesh as a displacement": (
+        lambda: body(supports=[cd.Displacement("top", [x_of(square()), None])]),
+        ValueError,
+        "Displacement of body 'lower': .* another mesh",
     ),
     "an expression as a gap": (lambda: contact(gap=x_of(square())), TypeError, "gap = .*function of the coordinates"),
     "a spring along nothing": (lambda: cd.Spring("top", 1.0, (0, 0)), ValueError, r"direction = \(0, 0\)"),

@@ -25,7 +25,7 @@ def written(folder: Path, text: str) -> Path:
 
 def test_the_groove_is_that_of_python(tmp_path):
     """Pressures equal to rounding: the same meshes, the same numbers, the same solve."""
-    ours = cd.read_scene(written(tmp_path, ONCE)).solve()
+    ours = cd.read_scene_file(written(tmp_path, ONCE)).solve()
     sides = [cd.Symmetry("left", "right")]
     low, up = (cd.rectangle((0, y), (4, y + 1), (32, 16)) for y in (0, 1))
     lower = cd.Body("lower", low, STEEL, supports=sides, loads=[cd.Pressure("bottom", 10)])
@@ -36,7 +36,7 @@ def test_the_groove_is_that_of_python(tmp_path):
 
 def test_a_programme():
     """The force is q l, 4 cm long, in every step: equilibrium, to the residual of 1e-10."""
-    path = cd.read_scene(GROOVE).solve()
+    path = cd.read_scene_file(GROOVE).solve()
     assert list(path.values) == [2, 5, 10]
     assert [solution.contact().force for solution in path.solutions] == pytest.approx([8, 20, 40], rel=1e-8)
 
@@ -85,7 +85,7 @@ values = [-1, -3]
 
 def test_a_ball_on_a_plate(tmp_path):
     """Rigid bodies, layers in series, fields, a force by the parameter: it carries what pushes it."""
-    path = cd.read_scene(written(tmp_path, RIGID)).solve()
+    path = cd.read_scene_file(written(tmp_path, RIGID)).solve()
     assert [solution.contact("tip").force for solution in path.solutions] == pytest.approx([1, 3], rel=1e-8)
 
 
@@ -114,7 +114,7 @@ def test_a_ball_on_a_plate(tmp_path):
 def test_errors_name_the_line(tmp_path, old, new, line, says):
     path = written(tmp_path, ONCE.replace(old, new, 1))
     with pytest.raises(cd.SceneFileError) as caught:
-        cd.read_scene(path)
+        cd.read_scene_file(path)
     assert says in str(caught.value)
     assert f"line {line}" in str(caught.value)
 
@@ -127,7 +127,7 @@ def test_options_and_programmes_are_checked(tmp_path):
         ("title = 'nothing'", "bodies: missing"),
     ]:
         with pytest.raises(cd.SceneFileError, match=says.replace("[]", r"\[\]")):
-            cd.read_scene(written(tmp_path, text))
+            cd.read_scene_file(written(tmp_path, text))
 
 
 def test_the_command(tmp_path, capsys):

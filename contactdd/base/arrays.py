@@ -13,3 +13,6 @@ Indices = NDArray[np.intp]
 Integers = NDArray[np.integer[Any]]
 #: An operator that is kept dense where it is small. SciPy's part is named by a string: it is imported by its first use.
 Operator = Union["scipy.sparse.csr_matrix", NDArray[np.float64]]  # type: ignore[name-defined]  # noqa: F821
+
+#: The smallest positive number of full precision, below what may be 0 and is divided by.
+TINY = float(np.finfo(float).tiny)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import inspect
+import math
+from collections.abc import Callable, Iterable
 from numbers import Real
 from typing import Any
 
@@ -37,7 +39,7 @@ def finite(name: str, value: Any) -> float:
         number = float(scalar)
     except (TypeError, ValueError):
         raise TypeError(f"{name} = {value!r}: expected a number") from None
-    if not np.isfinite(number):
+    if not math.isfinite(number):
         raise ValueError(f"{name} = {value!r}: expected a finite number")
     return number
 
@@ -96,3 +98,14 @@ def as_tuple_of(name: str, values: Any, kind: Any) -> tuple:
 def listed(names: Iterable[str]) -> str:
     """Names for a message, in order."""
     return ", ".join(repr(name) for name in sorted(names)) or "none"
+
+
+def positional(function: Callable[..., Any]) -> int | None:
+    """The number of positional arguments that a function takes; None where it does not tell."""
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return None
+    if any(each.kind is each.VAR_POSITIONAL for each in parameters):
+        return None
+    return sum(each.kind in (each.POSITIONAL_ONLY, each.POSITIONAL_OR_KEYWORD) for each in parameters)

@@ -16,6 +16,7 @@ with contextlib.suppress(ImportError):
     # The wheel that PyPI offers keeps its libraries in this module; it has to come before dolfinx.
     import dolfinx_solver  # noqa: F401
 
+import basix
 import basix.ufl
 import dolfinx
 import numpy as np
@@ -99,6 +100,11 @@ def expression_points(element: Any) -> NDArray[np.float64]:
 def coordinate_map(domain: dmesh.Mesh) -> Any:
     """The coordinate element of the mesh, as a scalar basix element."""
     return domain.ufl_domain().ufl_coordinate_element().basix_element
+
+
+def entity_vertices(domain: dmesh.Mesh) -> list[list[list[int]]]:
+    """The vertices of the entities of each dimension of the reference cell."""
+    return basix.topology(coordinate_map(domain).cell_type)
 
 
 def geometry_dofmap(domain: dmesh.Mesh) -> NDArray[np.int32]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .arrays import Floats, Indices
+from .arrays import TINY, Floats, Indices
 
 #: Ends of segments closer than this part of the curve's size are one.
 SAME_END = 1e-9
@@ -55,7 +55,7 @@ def polyline(segments: Floats) -> Polyline:
     from scipy.spatial import cKDTree
 
     flat = segments.reshape(-1, segments.shape[2])
-    cell = SAME_END * max(float(np.ptp(flat, axis=0).max()), np.finfo(float).tiny)
+    cell = SAME_END * max(float(np.ptp(flat, axis=0).max()), TINY)
     node = np.arange(len(flat))
     for one, other in sorted(cKDTree(flat).query_pairs(cell)):
         node[other] = min(node[other], node[one])

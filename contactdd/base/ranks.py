@@ -40,6 +40,8 @@ class Ranks:
 
     def __init__(self, comm: MPI.Comm, work: Sequence[float]) -> None:
         self.comm = comm
+        #: Whether there is only one rank.
+        self.alone = comm.size == 1
         self.interrupted = False
         if comm.size > 1:
             _refuse_other_work(comm, work)
@@ -48,11 +50,6 @@ class Ranks:
         if comm.size > len(work):
             body_index = next(i for i, team in enumerate(self.teams) if comm.rank in team)
             self._team = comm.Split(body_index, comm.rank)
-
-    @property
-    def alone(self) -> bool:
-        """Whether there is only one rank."""
-        return self.comm.size == 1
 
     def owns(self, body_index: int) -> bool:
         """Whether this rank holds a body."""

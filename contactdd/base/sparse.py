@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate
 
 import numpy as np
 import scipy
@@ -16,6 +17,16 @@ def stacked(operators: Sequence[Operator]) -> Operator:
     if all(isinstance(operator, np.ndarray) for operator in operators):
         return np.vstack(operators)
     return scipy.sparse.vstack([scipy.sparse.csr_matrix(operator) for operator in operators]).tocsr()
+
+
+def along_diagonal(blocks: Sequence[Floats]) -> Floats:
+    """The matrix with dense blocks along its diagonal: SciPy's own takes ten times as long over two small ones."""
+    sizes = [block.shape for block in blocks]
+    ends = list(accumulate(sizes, lambda end, size: (end[0] + size[0], end[1] + size[1]), initial=(0, 0)))
+    matrix = np.zeros(ends[-1])
+    for block, (top, left), (bottom, right) in zip(blocks, ends[:-1], ends[1:], strict=True):
+        matrix[top:bottom, left:right] = block
+    return matrix
 
 
 def product_map(trace: Operator, weights: Floats) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:

@@ -51,7 +51,7 @@ class Contents:
 
         Raises ValueError where the cells cannot be computed with: before dolfinx is called, which does not check.
         """
-        kind, nodes = self._cells(body)
+        kind, nodes, subdomains = self._cells(body)
         self._check_nodes(kind, nodes)
         kind, nodes, x = completed(kind, np.searchsorted(self.numbers, nodes), self.x)
         nodes = nodes[:, compat.from_gmsh_order(*kind)]
@@ -62,26 +62,32 @@ class Contents:
         self._check_coordinates(used, x)
         surfaces, left_out = self._surfaces(facets, owners, kind)
         element = compat.coordinate_element(kind.shape, DEGREES[kind])
-        return from_arrays(cells, x[:, : self.dim], element, surfaces, left_out)
+        return from_arrays(cells, x[:, : self.dim], element, surfaces, left_out, subdomains)
 
-    def _cells(self, body: str | None) -> tuple[Kind, Integers]:
-        """The kind and nodes of the cells of a body, each cell once."""
+    def _cells(self, body: str | None) -> tuple[Kind, Integers, dict[str, Integers]]:
+        """The kind and nodes of the cells of a body, each cell once, and which of them are in each group."""
         if body is not None and body not in self.bodies:
             raise ValueError(
                 f"body = {body!r}: {self.source} has no such group of cells (it has {listed(self.bodies)})"
             )
         chosen = self._chosen(body)
-        blocks = [(block.kind, block.nodes[np.isin(block.numbers, chosen)]) for block in self.blocks]
-        blocks = [(kind, nodes) for kind, nodes in blocks if len(nodes)]
+        wanted = [np.isin(block.numbers, chosen) for block in self.blocks]
+        blocks = [
+            (each.kind, each.nodes[ours], each.numbers[ours])
+            for each, ours in zip(self.blocks, wanted, strict=True)
+            if np.any(ours)
+        ]
         if not blocks:
             raise ValueError(f"{self.source} has no cells of dimension {self.dim}")
         whose = "" if body is None else f" in the group {body!r}"
-        self._check_kinds([kind for kind, _ in blocks], whose)
+        self._check_kinds([kind for kind, _, _ in blocks], whose)
         kind = blocks[0][0]
-        nodes = np.concatenate([nodes for _, nodes in blocks])
+        nodes, numbers = (np.concatenate([each[part] for each in blocks]) for part in (1, 2))
         # A cell in several groups is one cell, also where the file has it once for each.
-        _, first = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True)
-        return kind, nodes[np.sort(first)]
+        _, first, same = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True)
+        place = np.argsort(np.argsort(first))[same.ravel()]  # of each given cell among those kept, in the file's order
+        parts = {name: np.unique(place[np.isin(numbers, group)]) for name, group in self.bodies.items()}
+        return kind, nodes[np.sort(first)], {name: cells for name, cells in parts.items() if len(cells)}
 
     def _chosen(self, body: str | None) -> Integers:
         """The numbers of a body's cells."""

@@ -51,7 +51,7 @@ DECK_MIDDLES = (1, 3, 6, 4, 5, 2, 0)
 
 
 @dataclass
-class _Deck:
+class Deck:
     """What has been read: nodes, elements by kind, sets by name as they stand in the deck."""
 
     source: str
@@ -66,7 +66,7 @@ class _Deck:
 
 
 @dataclass(frozen=True)
-class _Card:
+class Card:
     """A keyword with its parameters, in capitals, and the lines of data under it."""
 
     keyword: str
@@ -76,14 +76,25 @@ class _Card:
 
 def read(path: Path, dim: int | None) -> Contents:
     """The contents of a deck. Names are in capitals, since decks do not tell them from small letters."""
-    deck = _Deck(f"path = {str(path)!r}: the deck")
-    for card in _cards(_lines(path, ())):
+    deck, _ = parsed(path)
+    return contents(deck, max_dim(deck) if dim is None else dim)
+
+
+def parsed(path: Path) -> tuple[Deck, list[Card]]:
+    """The nodes, elements and sets of a deck, and all of its cards."""
+    deck, cards = Deck(f"path = {str(path)!r}: the deck"), list(_cards(_lines(path, ())))
+    for card in cards:
         _take(deck, card)
+    return deck, cards
+
+
+def max_dim(deck: Deck) -> int:
+    """The dimension of the elements, 3 if there are solid ones."""
     dims = {each for each, _ in deck.elements}
     if not dims:
         others = f" (it has {', '.join(sorted(deck.others))})" if deck.others else ""
         raise ValueError(f"{deck.source} has no elements of the plane, of revolution or of space{others}")
-    return _contents(deck, max(dims) if dim is None else dim)
+    return max(dims)
 
 
 # ------------------------------------------------------------------------------------------------------ the text
@@ -103,7 +114,7 @@ def _lines(path: Path, outer: tuple[Path, ...]) -> Iterator[str]:
             yield line.strip()
 
 
-def _cards(lines: Iterator[str]) -> Iterator[_Card]:
+def _cards(lines: Iterator[str]) -> Iterator[Card]:
     """The keywords of a deck, each with its data. A line of keywords that ends in a comma goes on in the next."""
     head, data = "", list[str]()
     for line in lines:
@@ -119,26 +130,26 @@ def _cards(lines: Iterator[str]) -> Iterator[_Card]:
         yield _card(head, data)
 
 
-def _card(head: str, data: Sequence[str]) -> _Card:
+def _card(head: str, data: Sequence[str]) -> Card:
     keyword, *rest = (part.strip() for part in head[1:].split(","))
     pairs = (part.partition("=") for part in rest if part)
     parameters = {name.strip().upper().replace(" ", ""): value.strip().strip('"').upper() for name, _, value in pairs}
-    return _Card(re.sub(r"\s+", "", keyword).upper(), parameters, data)
+    return Card(re.sub(r"\s+", "", keyword).upper(), parameters, data)
 
 
-def _fields(line: str) -> list[str]:
+def fields(line: str) -> list[str]:
     return [part.strip() for part in line.split(",")]
 
 
 def _numbers(lines: Sequence[str]) -> list[str]:
     """The entries of lines that belong together, empty ones left out."""
-    return [part for line in lines for part in _fields(line) if part]
+    return [part for line in lines for part in fields(line) if part]
 
 
 # ------------------------------------------------------------------------------------------------------ the cards
 
 
-def _take(deck: _Deck, card: _Card) -> None:
+def _take(deck: Deck, card: Card) -> None:
     """Put what a keyword gives into the deck."""
     takers = {"NODE": _nodes, "ELEMENT": _elements, "NSET": _set, "ELSET": _set, "SURFACE": _surface}
     deck.parts += card.keyword == "PART"
@@ -154,12 +165,12 @@ def _take(deck: _Deck, card: _Card) -> None:
             raise ValueError(f"{deck.source} has a *{card.keyword} that cannot be read ({error}): {line!r}") from None
 
 
-def _nodes(deck: _Deck, card: _Card) -> None:
+def _nodes(deck: Deck, card: Card) -> None:
     if card.parameters.get("SYSTEM", "R") not in ("R", ""):
         raise ValueError(f"{deck.source} has nodes in cylindrical coordinates; expected SYSTEM=R")
     new = []
     for line in card.lines:
-        number, *words = _fields(line)
+        number, *words = fields(line)
         new.append(int(number))
         x = [float(word.upper().replace("D", "E")) if word else 0.0 for word in words[:3]]
         deck.numbers.append(new[-1])
@@ -168,7 +179,7 @@ def _nodes(deck: _Deck, card: _Card) -> None:
         deck.sets["NSET"].setdefault(card.parameters["NSET"], []).extend(new)
 
 
-def _elements(deck: _Deck, card: _Card) -> None:
+def _elements(deck: Deck, card: Card) -> None:
     found = _kind(card.parameters.get("TYPE", ""))
     if found is None:
         deck.others.add(card.parameters.get("TYPE", "elements without a type"))
@@ -185,7 +196,7 @@ def _rows(lines: Sequence[str], width: int) -> Iterator[list[int]]:
     """The number and the nodes of each element. Each begins a line and may go on in the next; what is over is left."""
     row: list[int] = []
     for line in lines:
-        row += [int(entry) for entry in _fields(line) if entry]
+        row += [int(entry) for entry in fields(line) if entry]
         if len(row) >= width:
             yield row[:width]
             row = []
@@ -204,37 +215,37 @@ def _kind(name: str) -> tuple[int, Kind] | None:
     return (dim, Kind(SHAPES[dim][count], count)) if dim else None
 
 
-def _set(deck: _Deck, card: _Card) -> None:
+def _set(deck: Deck, card: Card) -> None:
     name = card.parameters.get(card.keyword)
     if not name:
         raise ValueError(f"expected a name, {card.keyword}=")
     entries = deck.sets[card.keyword].setdefault(name, [])
     if "GENERATE" in card.parameters:
         for line in card.lines:
-            first, last, *step = (int(part) for part in _fields(line) if part)
+            first, last, *step = (int(part) for part in fields(line) if part)
             entries.extend(range(first, last + 1, step[0] if step else 1))
     else:
-        entries.extend(_entry(part) for part in _numbers(card.lines))
+        entries.extend(entry_of(part) for part in _numbers(card.lines))
 
 
-def _entry(text: str) -> str | int:
+def entry_of(text: str) -> str | int:
     """The number of a node or an element, or the name of a set."""
     return int(text) if text.lstrip("+-").isdigit() else text.strip('"').upper()
 
 
-def _surface(deck: _Deck, card: _Card) -> None:
+def _surface(deck: Deck, card: Card) -> None:
     name = card.parameters.get("NAME", "")
     if card.parameters.get("TYPE", "ELEMENT") == "NODE":
-        deck.node_surfaces.setdefault(name, []).extend(_fields(line)[0] for line in card.lines)
+        deck.node_surfaces.setdefault(name, []).extend(fields(line)[0] for line in card.lines)
     else:
-        pairs = [(*_fields(line), "")[:2] for line in card.lines]
+        pairs = [(*fields(line), "")[:2] for line in card.lines]
         deck.surfaces.setdefault(name, []).extend((a, b.upper()) for a, b in pairs)
 
 
 # ----------------------------------------------------------------------------------------------- what it comes to
 
 
-def _contents(deck: _Deck, dim: int) -> Contents:
+def contents(deck: Deck, dim: int) -> Contents:
     numbers, x = _last_nodes(deck)
     blocks = [
         _block(kind, np.array(rows, dtype=np.int64)) for (each, kind), rows in deck.elements.items() if each == dim
@@ -244,12 +255,12 @@ def _contents(deck: _Deck, dim: int) -> Contents:
     surfaces = {name: _faces(deck, name, parts, blocks) for name, parts in deck.surfaces.items()}
     nodes = {name: _members(deck, "NSET", name) for name in deck.sets["NSET"]}
     for name, parts in deck.node_surfaces.items():
-        nodes[name] = np.unique(np.concatenate([_of_set(deck, "NSET", _entry(part), ()) for part in parts]))
+        nodes[name] = np.unique(np.concatenate([of_set(deck, "NSET", entry_of(part), ()) for part in parts]))
     bodies = {name: members for name, members in bodies.items() if len(members)}
     return Contents(deck.source, dim, numbers, x, blocks, bodies, True, surfaces, nodes)
 
 
-def _last_nodes(deck: _Deck) -> tuple[Integers, Floats]:
+def _last_nodes(deck: Deck) -> tuple[Integers, Floats]:
     """The nodes; where one is given twice the later counts, as in the programs."""
     numbers, x = np.array(deck.numbers, dtype=np.int64), np.array(deck.x, dtype=float).reshape(-1, 3)
     ordered, last = np.unique(numbers[::-1], return_index=True)
@@ -268,11 +279,11 @@ def _block(kind: Kind, rows: Integers) -> Block:
     return Block(kind, numbers, nodes)
 
 
-def _members(deck: _Deck, which: str, name: str) -> Integers:
-    return np.unique(_of_set(deck, which, name, ()))
+def _members(deck: Deck, which: str, name: str) -> Integers:
+    return np.unique(of_set(deck, which, name, ()))
 
 
-def _of_set(deck: _Deck, which: str, entry: str | int, outer: tuple[str | int, ...]) -> Integers:
+def of_set(deck: Deck, which: str, entry: str | int, outer: tuple[str | int, ...]) -> Integers:
     """The numbers that an entry stands for: itself, or all in the set of that name."""
     if isinstance(entry, int):
         return np.array([entry], dtype=np.int64)
@@ -280,23 +291,23 @@ def _of_set(deck: _Deck, which: str, entry: str | int, outer: tuple[str | int, .
         raise ValueError(f"{deck.source} has no {which} {entry!r} that does not contain itself")
     entries = deck.sets[which][entry]
     direct = np.array([each for each in entries if isinstance(each, int)], dtype=np.int64)
-    named = [_of_set(deck, which, each, (*outer, entry)) for each in entries if isinstance(each, str)]
+    named = [of_set(deck, which, each, (*outer, entry)) for each in entries if isinstance(each, str)]
     return np.concatenate([direct, *named])
 
 
-def _faces(deck: _Deck, name: str, parts: Sequence[tuple[str, str]], blocks: Sequence[Block]) -> list[Integers]:
+def _faces(deck: Deck, name: str, parts: Sequence[tuple[str, str]], blocks: Sequence[Block]) -> list[Integers]:
     """The corner nodes (n, corners) of the element faces of a *SURFACE."""
     found = []
     for entry, label in parts:
-        elements = _of_set(deck, "ELSET", _entry(entry), ())
+        elements = of_set(deck, "ELSET", entry_of(entry), ())
         for block in blocks:
             nodes = block.nodes[np.isin(block.numbers, elements)]
             if len(nodes):
-                found.append(nodes[:, _side(deck, name, label, block.kind)])
+                found.append(nodes[:, side(deck, name, label, block.kind)])
     return found
 
 
-def _side(deck: _Deck, name: str, label: str, kind: Kind) -> list[int]:
+def side(deck: Deck, name: str, label: str, kind: Kind) -> list[int]:
     """The corners of the side S1, S2, ... of a cell."""
     sides = SIDES[kind.shape]
     number = int(label[1:]) if re.fullmatch(r"S\d", label) else 0

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.arrays import Floats, Indices
+from ..base.arrays import TINY, Floats, Indices
 
 #: Facets face each other if the angle between one's normal and the other's inward normal is below this.
 FACING = np.pi / 3
@@ -109,7 +109,7 @@ def _tree(leaves: _Level) -> list[_Level]:
 def _curve_order(points: Floats) -> Indices:
     """An order of the points (n, dim) along Morton's space-filling curve: neighbours in it are neighbours in space."""
     bits = 16
-    extent = max(float(np.ptp(points, axis=0).max()), np.finfo(float).tiny)
+    extent = max(float(np.ptp(points, axis=0).max()), TINY)
     cells = ((points - points.min(axis=0)) / extent * (2**bits - 1)).astype(np.int64)
     dim = points.shape[1]
     code = np.zeros(len(points), dtype=np.int64)
@@ -120,4 +120,4 @@ def _curve_order(points: Floats) -> Indices:
 
 
 def _units(vectors: Floats) -> Floats:
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), np.finfo(float).tiny)
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), TINY)

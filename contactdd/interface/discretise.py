@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -34,13 +34,15 @@ class InterfaceSide:
     """One body's side of an interface of n points.
 
     body: its index in the scene; trace: (n, dofs) from its displacement to u_n at the points; transfer: from values
-    at the interface's points to the integration points of the body's own surface, for its Robin term.
+    at the interface's points to the integration points of the body's own surface, for its Robin term; along: gives the
+    same operator to its displacement along an axis (dim,).
     """
 
     body: int
     surface: ContactSurface | PointSurface
     trace: scipy.sparse.csr_matrix
     transfer: Gather | scipy.sparse.csr_matrix
+    along: Callable[[Floats], scipy.sparse.csr_matrix]
 
     @property
     def meshed(self) -> ContactSurface:
@@ -78,7 +80,8 @@ class Interface:
     unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second surface's
     opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
     points are no nodes; doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is
-    meant, None if they do not; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact
+    meant, None if they do not; slides: None, or the index of the contact whose sliding along an axis this interface is,
+    `normal` then being that axis; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact
     integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
     """
 
@@ -95,6 +98,7 @@ class Interface:
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
     doubt: Floats | None = None
+    slides: int | None = None
     layer: Layer = field(init=False)
 
     def __post_init__(self) -> None:
@@ -106,7 +110,7 @@ class Interface:
         if isinstance(layer, HardContact):
             return augmented_layer(layer, min(float(each.max()) for each in self._stiffnesses_of_hard))
         law = layer.at(self.x.T)
-        return _half(law) if _mirrored(self.contact) else law
+        return _half(law) if self.mirrored else law
 
     @property
     def measured(self) -> Floats:
@@ -158,6 +162,11 @@ class Interface:
         """The initial gap d at the points, (n,), less the layer's clearance."""
         return self.geometric_gap + self.prescribed_gap - self.layer.clearance
 
+    def layer_after(self, gap: Floats) -> Layer:
+        """The contact's layer at the points once these gaps (points,) have been reached."""
+        law = self.layer.after(gap)
+        return law.layer if self.mirrored else law  # type: ignore[attr-defined]
+
     def refreshed(self, contact: Contact) -> Interface:
         """The same interface for the present gap of the user's contact; everything else is shared."""
         return replace(self, contact=contact.frozen(), prescribed_gap=self.prescription.at(contact.gap))
@@ -177,9 +186,22 @@ class Interface:
         return next(side.surface.rule for side in self.sides if isinstance(side.surface, ContactSurface))
 
     @property
+    def mirrored(self) -> bool:
+        """Whether the contact is that of a body with its mirror image, of whose layer it has one half."""
+        return _mirrored(self.contact)
+
+    @property
     def hard(self) -> bool:
         """Whether the contact has no layer."""
         return isinstance(self.contact.layer, HardContact)
+
+    def closed(self, gap: Floats, pressure: Floats) -> NDArray[np.bool_]:
+        """Where the layer is compressed, a hard contact carries pressure, or a bond holds, (points,)."""
+        return pressure > 0.0 if self.hard else (gap < 0.0) | self.layer.bonded
+
+    def compressions(self, gap: Floats) -> Floats:
+        """The compressions w of the layer, (points,), positive where a bond is stretched."""
+        return gap if self.layer.bonded else np.minimum(gap, 0.0)
 
 
 def without_rounding(distance: Floats, size: float) -> Floats:
@@ -221,9 +243,13 @@ def discretise(
     given = PrescribedGap(smooth_places(first) if callable(contact.gap) else first.points.x, first.average)
     shape = given.at(contact.gap)
     sides = (
-        InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread()),
+        InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread(), first.mean_along),
         InterfaceSide(
-            bodies[1], second, matched.in_order(second.mean(second.trace).tocsr()), second.spread(matched.places)
+            bodies[1],
+            second,
+            matched.in_order(second.mean(second.trace).tocsr()),
+            second.spread(matched.places),
+            lambda axis: matched.in_order(second.mean_along(axis)),
         ),
     )
     return Interface(
@@ -253,8 +279,8 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
     given = PrescribedGap(places, own.average, part=0.5 if _mirrored(contact) else 1.0)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
-        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread()),
-        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread(), own.mean_along),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points, _meshless_along(partner, x)),
     ]
     first, second = sides if meshed == 0 else reversed(sides)
     return Interface(
@@ -285,9 +311,19 @@ def _nodes_opposite_meshless(
     weights, trace = sampling.weights, (values @ trace).tocsr()
     points = Gather(np.arange(len(weights)), len(weights))
     means = _facet_means(own, facets, own.weights, sampling.spread)
+
+    def along(axis: Floats) -> scipy.sparse.csr_matrix:
+        return (values @ _meshless_along(partner, own.points.x)(axis)).tocsr()
+
     sides = [
-        InterfaceSide(bodies[meshed], own, (values @ own.trace).tocsr(), means),
-        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points),
+        InterfaceSide(
+            bodies[meshed],
+            own,
+            (values @ own.trace).tocsr(),
+            means,
+            lambda axis: (values @ own.trace_along(axis)).tocsr(),
+        ),
+        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points, along),
     ]
     first, second = sides if meshed == 0 else reversed(sides)
     return Interface(
@@ -311,9 +347,9 @@ def _mirrored(contact: Contact) -> bool:
 
 def _half(law: Layer) -> Layer:
     """The half of a law that lies on one side of a mirror plane."""
-    from ..layers.halved import HalvedLayer
+    from ..layers.halved import half
 
-    return HalvedLayer(law)
+    return half(law)
 
 
 def _seen_meshless(
@@ -363,7 +399,22 @@ def _side_of_points(
     body, count = contact.sides[side][0], len(weights)
     trace = _operator(body.normal_displacement(*rays), count)
     points = PointSurface(weights, trace, stiffnesses=body.point_stiffnesses(), corners=body.contact_facets())
-    return InterfaceSide(place, points, trace, Gather(np.arange(count), count))
+    return InterfaceSide(place, points, trace, Gather(np.arange(count), count), _meshless_along(body, rays[0]))
+
+
+def _meshless_along(body: MeshlessBody, x: Floats) -> Callable[[Floats], scipy.sparse.csr_matrix]:
+    """What gives the operator to the displacement of a body without a mesh along an axis, opposite points x."""
+
+    def along(axis: Floats) -> scipy.sparse.csr_matrix:
+        found = body.displacement_along(x, axis)
+        if found is None:
+            raise ValueError(
+                f"contact with body {body.name!r}: how a {type(body).__name__} moves along its surface is not known; "
+                "expected a layer without shear_stiffness"
+            )
+        return _operator(found, len(x))
+
+    return along
 
 
 def _no_functions() -> LinearFunctions:
@@ -423,6 +474,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
             surface,
             (values @ _trace(surface, partners, index, sign)).tocsr(),
             _facet_means(surface, partners.facets[index], partners.weights, sampling.spread),
+            partial(_seen_along, surface, partners, index, values),
         )
         for index, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
     )
@@ -441,6 +493,14 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         gathered=sampling.gathered,
         doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
+
+
+def _seen_along(
+    surface: ContactSurface, partners: PointPairs, index: int, mean: scipy.sparse.csr_matrix, axis: Floats
+) -> scipy.sparse.csr_matrix:
+    """The displacement of one side along an axis (dim,), at the values, (n, dofs)."""
+    directions = np.broadcast_to(axis, partners.normal.shape)
+    return (mean @ normal_trace(surface.body.space, partners.points[index], directions)).tocsr()
 
 
 def _trace(surface: ContactSurface, partners: PointPairs, side_index: int, sign: float) -> scipy.sparse.csr_matrix:

@@ -1,4 +1,4 @@
-"""The Robin term ∫ φ u_n v_n ds of a contact surface in UFL (22)."""
+"""The Robin term ∫ φ u_n v_n ds of a contact surface in UFL (22), or its part of ∫ φ u_t·v_t ds."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from .surface import ContactSurface
 
 
 class RobinTerm:
-    """∫ φ u_n v_n ds in UFL, φ a function on the submesh of the contact facets, refreshed at every iteration."""
+    """∫ φ u_n v_n ds in UFL, φ a function on the submesh of the contact facets, refreshed at every iteration.
+
+    Along a tangent it is an equal share of ∫ φ u_t·v_t ds: φ is the same along both of them.
+    """
 
     def __init__(self, surface: ContactSurface) -> None:
         body = surface.body
@@ -23,7 +26,8 @@ class RobinTerm:
         self.phi = fem.Function(space, name="robin_coefficient")
         self._dofs = _value_dofs(surface, space, parents)
         u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
-        expression = body.robin_form(u, v, self.phi, surface.surface, surface.rule.metadata)
+        form = body.robin_form if surface.across is None else body.sliding_form
+        expression = form(u, v, self.phi, surface.surface, surface.rule.metadata)
         self._form = compat.form(expression, entity_map)
         self._matrix = fem.create_matrix(self._form)
 

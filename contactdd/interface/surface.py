@@ -17,6 +17,7 @@ from ..base.facets import FacetPoints, facet_corners, facet_type, surface_points
 from ..base.isometry import Isometry
 from ..body import Body
 from ..quadrature import Quadrature
+from .overlap import axes_across
 from .trace import surface_trace
 
 
@@ -26,14 +27,18 @@ class ContactSurface:
     `integration points` are those at which ∫ φ u_n v_n is evaluated, facet by facet; `values` are the places where
     φ is given: the same points or, for the rule "facet", the facets. points: the n integration points, per_facet on
     each facet and per_value for each value; areas: (n,) what each stands for on the mesh; weights: (n,) in the body,
-    the full ring of a body of revolution; trace: (n, dofs) from the displacement to u_n there.
+    the full ring of a body of revolution; trace: (n, dofs) from the displacement to u_n there; across: None, or the
+    tangent that u_n is counted along instead, 0 or in space 1.
     """
+
+    across: int | None = None
 
     def __init__(self, body: Body, surface: str, quadrature: Quadrature) -> None:
         self.body, self.surface, self.rule = body, surface, quadrature
         self.facets = body.mesh.facets(surface)
         self.entities = body.mesh.entities(surface)
         points, weights = quadrature.points(facet_type(body.mesh.domain))
+        self._reference = points
         self.per_facet = len(points)
         self.per_value = quadrature.points_per_value(len(points))
         self.points = surface_points(body.mesh.domain, self.entities, points)
@@ -50,6 +55,26 @@ class ContactSurface:
         other.trace = copy(trace)
         other.trace.data = trace.data * signs[trace.indices % len(signs)]
         return other
+
+    def sliding(self, across: int) -> ContactSurface:
+        """The same surface, its displacements along one of its tangents in place of the normal."""
+        other = copy(self)
+        other.across = across
+        vars(other).pop("nodal_trace", None)
+        other.trace = surface_trace(
+            self.body.space, self.entities, self._reference, other._directed(self.points.normal)
+        )
+        return other
+
+    def trace_along(self, axis: Floats) -> scipy.sparse.csr_matrix:
+        """The operator (n, dofs) to the displacement along an axis (dim,)."""
+        return surface_trace(
+            self.body.space, self.entities, self._reference, np.broadcast_to(axis, self.points.normal.shape)
+        )
+
+    def _directed(self, normal: Floats) -> Floats:
+        """The directions that displacements are counted along where the normals are these, (n, dim)."""
+        return normal if self.across is None else axes_across(normal)[:, self.across]
 
     def spread(self, order: NDArray[np.intp] | None = None) -> Gather:
         """The operator from values, in their own order or at the positions `order`, to the integration points."""
@@ -74,6 +99,10 @@ class ContactSurface:
         """The rows (integration points, n) of an array or a sparse matrix, averaged to the values."""
         return rows if self.average is None else self.average @ rows
 
+    def mean_along(self, axis: Floats) -> scipy.sparse.csr_matrix:
+        """The operator to the mean displacement along an axis (dim,) at the values."""
+        return self.mean(self.trace_along(axis)).tocsr()
+
     @cached_property
     def facet_areas(self) -> Floats:
         """The area of each facet."""
@@ -95,7 +124,7 @@ class ContactSurface:
         """Young's modulus of the body at each facet, the least of its directions, (facets,)."""
         x = np.zeros((3, len(self.facets)))
         x[: self.body.mesh.dim] = self.middles.x.T
-        compliance = np.linalg.inv(self.body.material.stiffness(x))
+        compliance = np.linalg.inv(self.body.stiffness_at(x, self.entities[:, 0]))
         return np.broadcast_to(1.0 / compliance[..., range(3), range(3)].max(axis=-1), len(self.facets))
 
     @cached_property
@@ -125,7 +154,7 @@ class ContactSurface:
         points = surface_points(domain, self.entities, nodes)
         size = np.sqrt(self.areas.max()) if dim == 3 else self.areas.max()
         _, first = np.unique(np.round(points.x / (1e-6 * size)), axis=0, return_index=True)
-        return surface_trace(self.body.space, self.entities, nodes, points.normal)[np.sort(first)]
+        return surface_trace(self.body.space, self.entities, nodes, self._directed(points.normal))[np.sort(first)]
 
 
 @dataclass(frozen=True)

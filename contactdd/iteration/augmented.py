@@ -11,6 +11,7 @@ from ..base.arrays import Floats
 from ..base.ranks import Ranks
 from ..hard_contact import AugmentedLayer
 from ..history import History, Record
+from ..relaxation import Relaxation
 from ..scheme import Scheme
 from ..system.ensemble import Ensemble
 from ..system.state import State
@@ -39,7 +40,7 @@ class AugmentedRun:
         self._ranks, self._linear = ranks, linear
         self.state = self._shifted(state, state.shifts or [np.zeros(len(i.weights)) for i in ensemble.interfaces])
 
-    def iterate(self, gammas: Iterator[float | None], rule: StoppingCriterion, observe: Observer) -> Termination:
+    def iterate(self, gammas: Iterator[Relaxation], rule: StoppingCriterion, observe: Observer) -> Termination:
         """Iterate to the end; see `Run.iterate`."""
         best, best_at, last = np.inf, 0, np.inf
         for update in range(MOST_UPDATES + 1):
@@ -60,7 +61,7 @@ class AugmentedRun:
         return Termination("stalled", f"the pressures of hard contacts do not settle: {reached}")
 
     def _inner(
-        self, gammas: Iterator[float | None], rule: StoppingCriterion, observe: Observer, update: int
+        self, gammas: Iterator[Relaxation], rule: StoppingCriterion, observe: Observer, update: int
     ) -> Termination:
         """The iterations with the multipliers that there are."""
         done, ensemble = len(self.history), self.ensemble

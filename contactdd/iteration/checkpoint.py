@@ -126,6 +126,12 @@ def _write(path: Path, header: dict[str, Any], run: Run, snapshot: Snapshot) -> 
     for name, parts in (_taken_apart(snapshot.state) | _told_by(run.ensemble, snapshot.state, snapshot.forces)).items():
         arrays |= {f"{name} {i}": part for i, part in enumerate(parts)}
     arrays |= {f"memory {i}": part for i, part in enumerate(snapshot.memory)}
+    laws = [interface.layer for interface in run.ensemble.interfaces]
+    arrays |= {
+        f"closures {i}": law.closures  # type: ignore[attr-defined]
+        for i, law in enumerate(laws)
+        if law.remembers
+    }
     arrays["history"] = _as_bytes([asdict(run.history[i]) for i in range(snapshot.done)])
     partial = path.with_name(f"{path.name}.{os.getpid()}-{secrets.token_hex(4)}.part")
     try:
@@ -169,6 +175,12 @@ def read(path: str | Path, ensemble: Ensemble, method: str, ranks: Ranks) -> tup
         history.append(record)
     memory = [arrays[f"memory {i}"] for i in range(sum(name.startswith("memory ") for name in arrays))]
     return state, history, memory
+
+
+def closures(path: str | Path, ranks: Ranks) -> dict[int, np.ndarray]:
+    """What the layers of a checkpoint's scene remembered, by the contacts' indices; empty if they did nothing."""
+    arrays = ranks.once(lambda: _contents(Path(path)))[2]
+    return {int(name.split()[1]): array for name, array in arrays.items() if name.startswith("closures ")}
 
 
 def _contents(path: Path) -> tuple[Any, list[Record], dict[str, np.ndarray]]:

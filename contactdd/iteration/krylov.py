@@ -10,6 +10,7 @@ import scipy
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..base.sparse import along_diagonal
 from ..local.problem import Solver
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
@@ -92,7 +93,7 @@ class Krylov:
             modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
             return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
 
-        return scipy.linalg.block_diag(*self._ranks.each(of))
+        return along_diagonal(self._ranks.each(of))
 
 
 def deflated_conjugate_gradients(

@@ -19,21 +19,26 @@ HALVINGS = 80
 ROUNDING = 1e-15
 
 
+#: Evaluations by which a step is found as a rule.
+USUAL = 20
+
+
 #: By how much a step that may go much too far is shortened at a time, and where that ends.
 STEEP, SHORTEST = 2.0**12, 2.0**-1000
 
 
-def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) -> float:
+def minimise_along(slope: Callable[[float], float], curvature: float = 0.0, largest: float = 2.0**20) -> float:
     """The t > 0 at which the slope of a convex function along a descent direction vanishes.
 
     slope: dF₁/dt, which never decreases and is negative at 0; no finite number where the energy is infinite, as beyond
-    a law's pole. The largest step tried is returned if it stays negative.
+    a law's pole. curvature: a lower bound of d²F₁/dt². The largest step tried is returned if the slope stays negative.
     """
     start, lower, upper = slope(0.0), 0.0, 1.0
     if not start < 0.0:  # at the minimum to rounding
         return 1.0
     end = slope(upper)
-    if abs(end) <= ACCURACY * abs(start) and (end <= 0.0 or slope(0.5) <= 0.0):  # Newton's step, as always near the end
+    near = end <= ACCURACY * curvature  # a thousandth of the start is not, where slopes fall by powers of ten
+    if abs(end) <= ACCURACY * abs(start) and (near or slope(0.5) <= 0.0):  # Newton's step, as always near the end
         return 1.0
     known = {0.0: start}
     while end < 0.0:
@@ -53,17 +58,34 @@ def minimise_along(slope: Callable[[float], float], largest: float = 2.0**20) ->
             upper, end = middle, answer
     if not math.isfinite(end):  # the slope is negative up to the pole itself
         return lower
+    known[upper] = end
+    if lower == 0.0:
+        found, converged = _root(slope, known, lower, upper, USUAL)
+        if converged:
+            return found
     # A law that grows by powers of ten along the step, as an exponential one, ends the search far below 1.
     while lower == 0.0 and upper > SHORTEST:
-        answer = slope(shorter := upper / STEEP)
+        shorter = upper / STEEP
+        known[shorter] = answer = slope(shorter)
         if answer < -ROUNDING * abs(start):
-            known[shorter], lower = answer, shorter
+            lower = shorter
         else:
             upper, end = shorter, answer
-    if end <= 0.0:  # to rounding
-        return upper
-    known[upper] = end  # brentq asks for them again
-    found = scipy.optimize.brentq(
-        lambda t: known[t] if t in known else slope(t), lower, upper, xtol=1e-12 * upper, rtol=ACCURACY
+    return upper if end <= 0.0 else _root(slope, known, lower, upper, HALVINGS)[0]  # to rounding
+
+
+def _root(
+    slope: Callable[[float], float], known: dict[float, float], lower: float, upper: float, most: int
+) -> tuple[float, bool]:
+    """The zero of a slope between two steps, and whether it was found by so many evaluations at most.
+
+    known: slopes that are not to be found again.
+    """
+
+    def answer(t: float) -> float:
+        return known[t] if t in known else slope(t)
+
+    found, search = scipy.optimize.brentq(
+        answer, lower, upper, xtol=SHORTEST, rtol=ACCURACY, maxiter=most, full_output=True, disp=False
     )
-    return float(found)
+    return float(found), bool(search.converged)

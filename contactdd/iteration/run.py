@@ -13,9 +13,11 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..contact_sides import ContactSides, sides_of_contacts
 from ..errors import LooseBodyError
 from ..history import History, Record
 from ..interface.discretise import Interface
+from ..relaxation import Correction, Relaxation
 from ..scheme import Scheme
 from ..system.ensemble import Ensemble, Forces, norm
 from ..system.equilibrium import BALANCED, unbounded_motion
@@ -101,13 +103,14 @@ class Run:
         self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
         self._first_force = 0.0
         self._at_nodes = False
+        self._last_correction: Floats | None = None
         self._began = time.process_time()
         self.snapshot = self._complete(ensemble.forces(state))
 
-    def iterate(self, gammas: Iterator[float | None], rule: StoppingCriterion, observe: Observer) -> Termination:
+    def iterate(self, gammas: Iterator[Relaxation], rule: StoppingCriterion, observe: Observer) -> Termination:
         """Iterate to the end, from where the history ends.
 
-        gammas: γ^0, γ^1, …, None where it is to be searched; observe: told of every iteration, ends the run by
+        gammas: γ^0, γ^1, …, see `relaxation`; observe: told of every iteration, ends the run by
         returning True.
         """
         done, self._at_nodes = len(self.history), rule.criterion == "change"
@@ -187,16 +190,16 @@ class Run:
                 return _no_number(interface, f"stress {stress[at]:g} at the gap {z[at]:.6g}")
         return "the displacements or forces are no finite numbers (their squares have to be)"
 
-    def _iteration(self, k: int, gamma: float | None, at: Measured) -> tuple[Record, Measured]:
+    def _iteration(self, k: int, gamma: Relaxation, at: Measured) -> tuple[Record, Measured]:
         """The iteration k (16), (25): its record, and the forces at the iterate that it ends with.
 
-        gamma: None where it is to be searched; at: the forces at the present iterate, which stays where the next one
-        would be no numbers.
+        gamma: None where it is to be searched, a function where it is chosen; at: the forces at the present iterate,
+        which stays where the next one would be no numbers.
         """
         phi, forces = self._coefficients(), at.forces
         survive = gamma is None or self.anderson is not None
         correction, phi, note = self._correction(phi, forces.residual, at.scale, survive)
-        length = self._search(correction, forces) if gamma is None else gamma
+        length = self._length(gamma, correction, forces)
         if self.anderson is None:
             step = length * correction
         else:
@@ -219,6 +222,16 @@ class Run:
         self.state = state
         return record, found
 
+    def _length(self, gamma: Relaxation, correction: Floats, forces: Forces) -> float:
+        """γ^k: given, chosen by a function, or searched."""
+        if gamma is None:
+            return self._search(correction, forces)
+        if not callable(gamma):
+            return gamma
+        chosen = gamma(Correction(len(self.history), self.history, correction, self._last_correction))
+        self._last_correction = correction
+        return chosen
+
     def _next(self, step: Floats, guarded: bool) -> tuple[Floats, State, Measured]:
         """The step, the iterate after it and its forces.
 
@@ -234,8 +247,9 @@ class Run:
         return step, state, self._measured(state)
 
     def _contact_area(self, state: State) -> float:
-        """The area where z < 0."""
-        return sum(float(i.weights @ (z < 0)) for i, z in zip(self.ensemble.interfaces, state.gaps, strict=True))
+        """The area where z < 0, or where surfaces are bonded."""
+        contacts = zip(self.ensemble.interfaces, state.gaps, strict=True)
+        return sum(float(i.weights @ ((z < 0) | i.layer.bonded)) for i, z in contacts if i.slides is None)
 
     def _energy(self, state: State, forces: Forces) -> float:
         """F₁ at an iterate; NotANumberError, which names the layer, where it is no finite number."""
@@ -259,11 +273,15 @@ class Run:
         phi, state, reason = {}, self.state, ""
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
-            values = self.scheme.phi(interface.layer, z, before, interface.x.T)
+            if interface.slides is None:
+                sides = self._sides[index] if self.scheme.two_sided else None
+                values = self.scheme.phi(interface.layer, z, before, interface.x.T, sides)
+            else:  # quadratic: the same in every scheme
+                values = interface.layer.contact_derivative(z)
             phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
             if not np.isfinite(phi[index].sum()):
-                at = int(np.argmin(np.isfinite(phi[index])))
-                reason = reason or _no_number(interface, f"coefficient φ {values[at]:g} at the gap {z[at]:.6g}")
+                at = np.unravel_index(int(np.argmin(np.isfinite(phi[index]))), phi[index].shape)
+                reason = reason or _no_number(interface, f"coefficient φ {values[at]:g} at the gap {z[at[-1]]:.6g}")
         reason = self._ranks.any_says(reason)
         if reason:
             raise NotANumberError(reason)
@@ -284,6 +302,11 @@ class Run:
                 raise
         phi = self._softened(phi, residual)
         return self._linear.correct(phi, residual, scale), phi, "open: held by a soft Robin term"
+
+    @cached_property
+    def _sides(self) -> list[ContactSides]:
+        """The contacts with their bodies, for coefficients that see them."""
+        return sides_of_contacts(self.ensemble.interfaces, self.ensemble.problems)
 
     @cached_property
     def _unbounded_motion(self) -> LooseBodyError | None:
@@ -359,7 +382,7 @@ class Run:
                 return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
             return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
 
-        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent)
+        return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent, elastic)
 
     def _bounded(self) -> bool:
         """Whether the displacements are finite and at most a hundred times the largest body."""

@@ -40,6 +40,10 @@ class Step(Protocol):
 def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
     """The kind of linear problem of a scheme; of "auto" the one that suits the scene."""
     problems = ensemble.problems
+    if scheme.order is not None:
+        from .ordered import Ordered
+
+        return Ordered(ensemble, ranks, scheme.groups)
     if scheme.step == "decomposed":
         return Decomposed(ensemble, ranks)
     entries = sum(problem.size**2 for problem in problems)

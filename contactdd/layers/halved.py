@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ..base.arrays import Floats
 from ..layer import Layer
+from .bonded import BondedLayer
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,18 @@ class HalvedLayer(Layer):
     def compression_limit(self) -> float | Floats:
         return 0.5 * self.layer.compression_limit
 
+    @property
+    def remembers(self) -> bool:
+        return self.layer.remembers
+
+    @property
+    def closures(self) -> Floats:
+        """What the whole layer remembers."""
+        return self.layer.closures  # type: ignore[attr-defined]
+
+    def after(self, z: Floats) -> Layer:
+        return HalvedLayer(self.layer.after(2 * z))
+
     def at(self, x: Floats) -> Layer:
         part = self.layer.at(x)
         return self if part is self.layer else HalvedLayer(part)
@@ -56,3 +69,10 @@ class HalvedLayer(Layer):
 
     def _depth(self, p: Floats) -> Floats:
         return 0.5 * self.layer._depth(p)
+
+
+def half(law: Layer) -> Layer:
+    """The half of a law, of both branches of one that carries tension."""
+    if isinstance(law, BondedLayer):
+        return BondedLayer(HalvedLayer(law.layer), law.tension and HalvedLayer(law.tension))
+    return HalvedLayer(law)

@@ -23,7 +23,7 @@ class SeriesLayer(Layer):
         layers: The layers, two or more.
 
     Raises:
-        TypeError: One of them is no layer, or there are fewer than two.
+        TypeError: One of them is no layer, carries tension or remembers, or there are fewer than two.
 
     Example:
         >>> from contactdd.layer import LinearLayer
@@ -37,6 +37,10 @@ class SeriesLayer(Layer):
         for index, layer in enumerate(layers):
             if not isinstance(layer, Layer):
                 raise TypeError(f"layers[{index}] = {layer!r}: expected a layer, such as cd.PowerLayer(B, a)")
+            if layer.remembers:
+                raise TypeError(f"layers[{index}] = {layer!r}: it remembers its closure; expected a law without memory")
+            if layer.bonded:
+                raise TypeError(f"layers[{index}] = {layer!r}: expected the bond around, BondedLayer(SeriesLayer(...))")
         self.layers = layers
 
     def __repr__(self) -> str:

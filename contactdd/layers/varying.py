@@ -84,6 +84,10 @@ class LayerAtPoints(Layer):
     def __init__(self, origin: VaryingLayer, values: dict[str, float | Floats], count: int) -> None:
         self.origin, self.values, self.count = origin, values, count
         self.law = origin.law(**values)
+        if self.law.remembers:
+            raise ValueError(f"{origin!r}: its law remembers its closure; expected a law without memory")
+        if self.law.bonded:
+            raise ValueError(f"{origin!r}: its law carries tension; expected BondedLayer(VaryingLayer(...))")
 
     def __repr__(self) -> str:
         return repr(self.origin)

@@ -15,7 +15,7 @@ import numpy as np
 from ..base.arrays import Floats
 from ..body import Body
 from .copies import loaded_alike
-from .forms import load_vector
+from .forms import eigenstrain_energy, eigenstrain_vector, load_vector
 from .problem import ContactTrace, Fields, rigid_motions
 from .rigid import RigidMotions, allowed_motions
 from .space import admissible_space
@@ -34,8 +34,11 @@ class DiscreteBody:
         load: (dofs,) l(v).
         free_load: (unknowns,) the same in the unknowns, less what prescribed displacements cause.
         constant: The part of the energy that depends on no unknown.
+        released: What eigenstrains take from the stored energy ½ a(u, u): their part of l(v), (dofs,), and the energy
+            that they would store in a body that cannot move; None without eigenstrains.
     """
 
+    released: tuple[Floats, float] | None = None
     load: Floats
     free_load: Floats
     constant: float
@@ -81,6 +84,8 @@ class DiscreteBody:
     def _set_loads(self) -> None:
         """Set what follows from the loads and prescribed displacements."""
         self.load = load_vector(self.body)
+        if self.body.has_eigenstrain:
+            self.released = eigenstrain_vector(self.body), eigenstrain_energy(self.body)
         self.free_load = self.space.restricted(self.load)
         self.constant = 0.0
         if self.space.has_offset:
@@ -111,7 +116,8 @@ class DiscreteBody:
 
     @property
     def load_size(self) -> float:
-        moving = self.space.extended(self.space.restricted(self.load))  # loads on what is held press nothing
+        acting = self.load if self.released is None else self.load - self.released[0]  # eigenstrains balance themselves
+        moving = self.space.extended(self.space.restricted(acting))  # loads on what is held press nothing
         return float(np.linalg.norm(moving.reshape(-1, self.body.mesh.dim).sum(axis=0)))
 
     def mirrored(self, signs: Floats) -> Floats:
@@ -150,11 +156,16 @@ class DiscreteBody:
         moved: The free rigid motion that springs answer, None without springs.
         """
         elastic = self.stiffness.forces(deformed)
+        gained = self._gained(u)
         if moved is None:
-            return Fields(u, elastic, np.zeros_like(u), 0.5 * float(deformed @ elastic))
+            return Fields(u, elastic, np.zeros_like(u), 0.5 * float(deformed @ elastic) + gained)
         moved = moved if self.space.carried is None else moved + self.space.carried
         elastic, springs = elastic + self.stiffness.spring_forces(moved), self.stiffness.spring_forces(u)
-        return Fields(u, elastic, springs, 0.5 * float(deformed @ elastic + moved @ springs))
+        return Fields(u, elastic, springs, 0.5 * float(deformed @ elastic + moved @ springs) + gained)
+
+    def _gained(self, u: Floats) -> float:
+        """What eigenstrains add to ½ a(u, u): ½ ∫ (ε − ε₀) : C : (ε − ε₀) less ½ ∫ ε : C : ε."""
+        return 0.0 if self.released is None else self.released[1] - float(self.released[0] @ u)
 
     def free_forces(self, forces: Floats) -> Floats:
         return self.space.restricted(forces)

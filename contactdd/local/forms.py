@@ -21,7 +21,7 @@ from ..base.arrays import Floats
 from ..base.checks import finite
 from ..body import Body
 from ..kinematics import KINEMATICS
-from ..load import Load, Pressure
+from ..load import BodyLoad, Load, Pressure
 from ..parameter import current
 
 
@@ -44,17 +44,40 @@ def spring_matrix(body: Body) -> scipy.sparse.csr_matrix:
 
 def load_vector(body: Body) -> Floats:
     """l(v) for all degrees of freedom."""
-    return sum((_one_load(body, load) for load in body.loads), np.zeros(body.dofs))
+    return sum((one_load(body, load) for load in body.loads), np.zeros(body.dofs))
 
 
-def _one_load(body: Body, load: Load) -> Floats:
+def eigenstrain_vector(body: Body) -> Floats:
+    """The part of l(v) that eigenstrains are, for all degrees of freedom."""
+    strain = body.eigenstrain()
+    form = compat.form(body.eigenstrain_form(strain, ufl.TestFunction(body.space)))
+    return fem.assemble_vector(form).array
+
+
+def eigenstrain_energy(body: Body) -> float:
+    """½ ∫ ε₀ : C : ε₀ dx, the energy that the body would store if it were held at every point."""
+    return float(fem.assemble_scalar(compat.form(body.eigenstrain_energy_form())))
+
+
+def one_load(body: Body, load: Load) -> Floats:
     """The vector of one load, that of a constant pressure by the form that all such share."""
     value = current(load.value) if isinstance(load, Pressure) else None
     if not isinstance(load, Pressure) or not np.isscalar(value):
-        return fem.assemble_vector(compat.form(load.form(body.elements, ufl.TestFunction(body.space)))).array
+        return _own_load(body, load)
     shared = _pressure(*_elements(body), body.kinematics.name)
     facets = body.mesh.entities(load.surface).ravel()
     return fem.assemble_vector(shared.on(body, finite("pressure", value), facets)).array
+
+
+def _own_load(body: Body, load: Load) -> Floats:
+    """The vector of a load by a form of its own."""
+    if isinstance(load, BodyLoad):
+        vector = load.vector(body)
+    else:
+        vector = fem.assemble_vector(compat.form(load.form(body.elements, ufl.TestFunction(body.space)))).array
+    if not np.isfinite(vector.sum()):
+        raise ValueError(f"body {body.name!r}: its {type(load).__name__} gives forces that are no finite numbers")
+    return vector
 
 
 @dataclass(frozen=True)

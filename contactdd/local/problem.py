@@ -62,7 +62,7 @@ class Fields:
         displacement: (dofs,) The displacement u (length).
         elastic_forces: (dofs,) The forces a(u, ·), of the deformation only, see `system.state.State`.
         spring_forces: (dofs,) The forces of elastic foundations.
-        elastic_energy: The energy ½ a(u, u) (force · length).
+        elastic_energy: The energy ½ a(u, u), that which eigenstrains take away left out (force · length).
     """
 
     displacement: Floats

@@ -24,7 +24,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..base.arrays import Floats
+from ..base.arrays import TINY, Floats
 from ..errors import LooseBodyError
 from ..kinematics import Kinematics
 from .space import AdmissibleSpace
@@ -119,10 +119,10 @@ class RigidMotions:
     @cached_property
     def kernel(self) -> Floats:
         """The motions that change no gap and meet no spring, whatever φ is, (motions, kernel)."""
-        springs = np.linalg.norm(self.springs, axis=0) / max(self.stiffness_scale, np.finfo(float).tiny)
+        springs = np.linalg.norm(self.springs, axis=0) / max(self.stiffness_scale, TINY)
         rows = np.vstack([np.diag(springs)] + [contact.rows for contact in self.contacts])
         _, singular, motions = np.linalg.svd(rows, full_matrices=False)
-        return motions[singular <= 1e-10 * singular.max(initial=np.finfo(float).tiny)].T
+        return motions[singular <= 1e-10 * singular.max(initial=TINY)].T
 
     def fixing_dofs(self, phi: Mapping[int, Floats], forces: Floats, scale: float) -> NDArray[np.intp]:
         """Unknowns to fix so that no rigid motion remains; empty if there is none.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from ..base.arrays import Floats
+from ..base.arrays import TINY, Floats
 
 
 def line_load_hats(x: Floats, nodes: Floats, reference: float) -> Floats:
@@ -63,7 +63,7 @@ def disc(r: Floats, radius: Floats) -> Floats:
     """
     large = np.maximum(r, radius)
     m = (np.minimum(r, radius) / large) ** 2
-    rest = np.maximum(1.0 - m, np.finfo(float).tiny)
+    rest = np.maximum(1.0 - m, TINY)
     first = scipy.special.ellipe(m)
     return (4 / np.pi) * large * np.where(r <= radius, first, first - rest * scipy.special.ellipkm1(rest))
 

@@ -99,6 +99,9 @@ class RigidBody(MeshlessBody):
             return -np.column_stack([direction, np.cross(arm, direction)])
         return -np.column_stack([direction, arm[:, 0] * direction[:, 1] - arm[:, 1] * direction[:, 0]])
 
+    def displacement_along(self, x: Floats, axis: Floats) -> Floats:
+        return -self.normal_displacement(x, np.broadcast_to(axis, x.shape))
+
     def prescribed(self) -> Floats:
         moved = _numbers("displacement", self._displacement, self.kinematics.dim, free=True)
         return np.concatenate([self._along("displacement", moved), self._turned("rotation", self._rotation, free=True)])

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..base.arrays import Floats
+from ..base.arrays import TINY, Floats
 from ..base.checks import as_bool, finite, positive
 from .shape import Shape, as_direction, as_point, dot, upwards
 
@@ -115,7 +115,7 @@ class Cone(Shape):
         q = offset + np.where(np.isfinite(t), t, 0.0)[:, None] * direction
         length = np.linalg.norm(q, axis=1)
         ahead = dot(q, self.axis) >= -1e-12 * np.linalg.norm(offset, axis=1)
-        outward = math.cos(self.half_angle) * dot(q, direction) / np.maximum(length, np.finfo(float).tiny)
+        outward = math.cos(self.half_angle) * dot(q, direction) / np.maximum(length, TINY)
         return np.where(ahead & (dot(direction, self.axis) > outward), t, np.inf)
 
 

@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Operator
-from ..base.sparse import stacked
+from ..base.sparse import along_diagonal, stacked
 from ..interface.discretise import Interface
 from ..local.problem import ContactTrace, LocalProblem
 from ..local.rigid import Resistance, RigidMotions
@@ -25,8 +25,8 @@ from .state import State
 def joint_motions(ensemble: Ensemble) -> RigidMotions:
     """The free rigid motions of all bodies together; a contact resists those that change its gap."""
     motions = [problem.rigid for problem in ensemble.problems]
-    modes = scipy.linalg.block_diag(*(each.modes for each in motions))
-    springs = scipy.linalg.block_diag(*(each.springs for each in motions))
+    modes = along_diagonal([each.modes for each in motions])
+    springs = along_diagonal([each.springs for each in motions])
     approach = np.sqrt(ensemble.weights)[:, None] * (ensemble.normal_approach @ modes)
     contacts = [Resistance(index, rows) for index, rows in enumerate(ensemble.by_interface(approach))]
     owners = [owner for each in motions for owner in each.owners]
@@ -203,9 +203,8 @@ class Ensemble:
 
     def _along_diagonal(self, blocks: Sequence[Operator]) -> Floats | BlockDiagonal:
         """The matrix with the bodies' blocks along its diagonal, dense if they all are and are small together."""
-        if not self.dense or not all(isinstance(block, np.ndarray) for block in blocks):
-            return BlockDiagonal(blocks)
-        return scipy.linalg.block_diag(*blocks)
+        dense = [block for block in blocks if isinstance(block, np.ndarray)]
+        return along_diagonal(dense) if self.dense and len(dense) == len(blocks) else BlockDiagonal(blocks)
 
     def _normal_approach(self) -> Operator:
         """The operator from y to u_αn + u_βn at all points."""

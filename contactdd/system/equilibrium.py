@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from ..base.arrays import Floats
+from ..base.arrays import TINY, Floats
 from ..errors import LooseBodyError
 from ..interface.discretise import Interface, discretise
+from ..layer import LinearLayer
 from .ensemble import Ensemble
 
 #: Largest resultant of loads in balance, relative to the loads: room for rounding and for no real load.
@@ -40,18 +41,25 @@ def unbounded_motion(ensemble: Ensemble) -> LooseBodyError | None:
     work = free.T @ _work_of_loads(ensemble)
     if free.shape[1] == 0 or np.abs(work).max() <= BALANCED * ensemble.load_size:
         return None
-    closes = np.vstack([contact.rows for contact in motions.contacts]) @ free
+    contacts = list(zip(ensemble.interfaces, motions.contacts, strict=True))
+    closes = np.vstack([_resisted(i, contact.rows) for i, contact in contacts]) @ free
     motion = _way_out(work, closes)
     if motion is None:
         return None
     # The outermost integration points lie inside of the outermost facets: the contact's edge is not among them.
-    at_the_edge = _way_out(work, np.vstack([_rows_near_edges(ensemble, i) for i in ensemble.interfaces]) @ free) is None
+    near = [_resisted(i, c.rows if i.layer.bonded else _rows_near_edges(ensemble, i)) for i, c in contacts]
+    at_the_edge = _way_out(work, np.vstack(near) @ free) is None
     return motions.loose(free @ motion, AT_THE_EDGE if at_the_edge else "")
+
+
+def _resisted(interface: Interface, rows: Floats) -> Floats:
+    """The approaches of rigid motions (points, motions) that a contact resists; a bond resists their opposites too."""
+    return np.vstack([rows, -rows]) if interface.layer.bonded else rows
 
 
 def _way_out(work: Floats, closes: Floats) -> Floats | None:
     """A motion on which the loads do work (motions,) and that closes no gap (points, motions), or None."""
-    work, closes = work / np.abs(work).max(), closes / np.abs(closes).max(initial=np.finfo(float).tiny)
+    work, closes = work / np.abs(work).max(), closes / np.abs(closes).max(initial=TINY)
     # Mostly some pressures balance the loads, which is cheaper to see.
     if scipy.optimize.nnls(closes.T, work)[1] < 1e-10:
         return None
@@ -66,7 +74,8 @@ def _way_out(work: Floats, closes: Floats) -> Floats | None:
 def _rows_near_edges(ensemble: Ensemble, interface: Interface) -> Floats:
     """√weight times the normal approach of rigid motions at points very near the facets' edges, (points, motions)."""
     first, second = interface.sides
-    fine = discretise(interface.contact.resampled(NEAR_EDGES), (first.body, second.body), interface.facets)
+    contact = interface.contact.resampled(NEAR_EDGES).with_layer(LinearLayer(1.0))  # the law is not asked for
+    fine = discretise(contact, (first.body, second.body), interface.facets)
     owners = ensemble.rigid.owners
     parts = [np.zeros((len(fine.weights), owner.coefficients.shape[1])) for owner in owners]
     for side in fine.sides:

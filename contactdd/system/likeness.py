@@ -16,6 +16,8 @@ from ..base.facets import surface_points
 from ..body import Body
 from ..hard_contact import HardContact
 from ..layer import Layer
+from ..load import BodyLoad
+from ..local.forms import one_load
 from ..meshless import MeshlessBody
 from ..parameter import current
 from ..scene import Scene
@@ -81,10 +83,13 @@ def _of_body(body: Body | MeshlessBody) -> Iterator[Told]:
     yield "coordinates", _measure(domain.geometry.x)
     for name, facets in body.mesh.surfaces.items():
         yield f"surface {name!r}", _measure(facets)
-    x = domain.geometry.x.T[:, :1] if not body.material.varies else domain.geometry.x.T
-    yield "material", _measure(body.material.stiffness(x) if body.material.varies else body.material.stiffness())
+    varies, cells = body.material.varies, np.arange(body.mesh.cells, dtype=np.int32)
+    yield "material", _measure(body.stiffness_at(body.mesh.middles.T, cells) if varies else body.material.stiffness())
     for number, item in enumerate((*body.supports, *body.loads)):
         kind = f"{type(item).__name__} {number}"
+        if isinstance(item, BodyLoad):
+            yield kind, _measure(one_load(body, item))
+            continue
         for name, value in vars(item).items():
             for part, told in enumerate(_of_value(body, item, value)):
                 yield f"{kind}, {name} {part}", told

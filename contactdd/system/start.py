@@ -82,7 +82,7 @@ def rigidly_closed(ensemble: Ensemble) -> State:
     if not np.any(floating) or not (prescribed or np.any(compressions)):
         return undeformed(ensemble)
     contacts = list(zip(ensemble.interfaces, ensemble.gaps(np.zeros(ensemble.size)), compressions, strict=True))
-    wanted = np.concatenate([np.sqrt(i.weights) * (z.min() - w) for i, z, w in contacts])
+    wanted = np.concatenate([np.sqrt(i.weights) * (_least(i, z) - w) for i, z, w in contacts])
     approach = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
 
     def moved(stiffnesses: Floats) -> State:
@@ -113,7 +113,8 @@ def uniformly_closed(ensemble: Ensemble, ranks: Ranks) -> State:
 def _closed_from_prescribed(ensemble: Ensemble, ranks: Ranks) -> State:
     """The same from the rigid motions of prescribed displacements, which may close contacts further."""
     moved, compressions = rigidly_closed(ensemble), _compressions(ensemble)
-    approach = [max(0.5 * (float(z.min()) - w), 0.0) for z, w in zip(moved.gaps, compressions, strict=True)]
+    contacts = zip(ensemble.interfaces, moved.gaps, compressions, strict=True)
+    approach = [0.0 if i.slides is not None else max(0.5 * (float(z.min()) - w), 0.0) for i, z, w in contacts]
     parts = ensemble.split(moved.unknowns)
 
     def of(index: int) -> Floats:
@@ -126,14 +127,19 @@ def _closed_from_prescribed(ensemble: Ensemble, ranks: Ranks) -> State:
 
 
 def _at_points(name: str, value: Given, interface: Interface) -> Floats:
-    """The values of a number or a function of the coordinates x (dim, n) at the points of an interface."""
-    return evaluate(name, value, interface.x.T)
+    """The values of a number or a function of the coordinates x (dim, n) at the points of an interface; no slip."""
+    return evaluate(name, value if interface.slides is None else 0.0, interface.x.T)
 
 
 def _compressions(ensemble: Ensemble) -> list[float]:
-    """The compressions w of all contacts under the largest mean contact stress of a body."""
+    """The compressions w of all contacts under the largest mean contact stress of a body; no slip of a bond."""
     stress = max(_mean_contact_stress(ensemble, problem) for problem in ensemble.problems)
-    return [float(np.mean(interface.layer.compression(-stress))) for interface in ensemble.interfaces]
+    return [0.0 if i.slides is not None else float(np.mean(i.layer.compression(-stress))) for i in ensemble.interfaces]
+
+
+def _least(interface: Interface, gaps: Floats) -> float | Floats:
+    """The approach that closes a contact; of a bond's sliding that which takes back the slip at every point."""
+    return gaps if interface.slides is not None else float(gaps.min())
 
 
 def _mean_contact_stress(ensemble: Ensemble, problem: LocalProblem) -> float:

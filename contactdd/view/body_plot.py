@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..base.arrays import Floats
+from ..base.arrays import TINY, Floats
 from ..base.checks import check_choice, finite, positive
 from ..body_result import BodyResult
 from ..kinematics import STRESSES
@@ -182,7 +182,7 @@ def round_limits(values: Sequence[Floats]) -> tuple[tuple[float, float], int]:
     """Round numbers around all values, and how many labels between them are round too."""
     low, high = min(float(value.min()) for value in values), max(float(value.max()) for value in values)
     # Stresses that are equal but for rounding are one number.
-    spread = max(high - low, 1e-6 * max(abs(low), abs(high)), np.finfo(float).tiny)
+    spread = max(high - low, 1e-6 * max(abs(low), abs(high)), TINY)
     power = 10.0 ** np.floor(np.log10(spread / 4.0))
     step = next(power * factor for factor in (1.0, 2.0, 2.5, 5.0, 10.0) if spread / (power * factor) <= 5.0)
     first, last = np.floor(low / step + 1e-9), np.ceil(high / step - 1e-9)

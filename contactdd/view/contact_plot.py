@@ -93,14 +93,17 @@ def _draw_curves(
     bottom.plot(s, gap, color=RED, **lines)
     if along != "radius":
         top.fill_between(s, p, color=BLUE, alpha=0.15)
-        bottom.fill_between(s, gap, 0.0, where=gap < 0.0, color=RED, alpha=0.15)
-        turns = np.flatnonzero((gap[1:] < 0.0) != (gap[:-1] < 0.0))
+        bottom.fill_between(s, gap, 0.0, where=(gap < 0.0) | result.bonded, color=RED, alpha=0.15)
+        turns = np.flatnonzero((gap[1:] < 0.0) != (gap[:-1] < 0.0)) if not result.bonded else np.zeros(0, dtype=int)
         for edge in s[turns] + gap[turns] / (gap[turns] - gap[turns + 1]) * (s[turns + 1] - s[turns]):
             for axes in (top, bottom):
                 axes.axvline(edge, color=GREY, linewidth=0.8, linestyle=":")
     bottom.axhline(0.0, color=GREY, linewidth=0.8)
     top.set_ylabel(with_unit("contact pressure", stress))
-    top.set_ylim(bottom=0.0)
+    if result.bonded:
+        top.axhline(0.0, color=GREY, linewidth=0.8)
+    else:
+        top.set_ylim(bottom=0.0)
     bottom.set_ylabel(with_unit("deformed gap z", length))
     name = {"x": "radius r", "y": "axis z"}.get(along, along) if result.ring else along
     bottom.set_xlabel(with_unit(name, length))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -13,18 +14,16 @@ DEMOS, PAGES = ROOT / "demos", ROOT / "docs" / "demos"
 
 def pictures(demo: str) -> list[str]:
     """The names of the committed pictures of a demo."""
-    return sorted(path.name for path in (DEMOS / "pictures").glob(f"{demo}_*.png"))
+    folder = DEMOS / "pictures"
+    return sorted(path.name for pattern in (f"{demo}.png", f"{demo}_*.png") for path in folder.glob(pattern))
 
 
 def page(script: Path) -> str:
     """A demo's text with its pictures in a last cell, and how it is run."""
-    lines = [
-        "",
-        f"Run it: `./run demos/{script.name}`.",
-        *(f"\n![](pictures/{name})" for name in pictures(script.stem)),
-    ]
-    prose = "\n".join(lines).splitlines()
-    return script.read_text() + "\n# %% [markdown]\n" + "\n".join(f"# {line}".rstrip() for line in prose) + "\n"
+    lines = [f"Run it: `./run demos/{script.name}`."]
+    for name in pictures(script.stem):
+        lines += ["", f"![](pictures/{name})"]
+    return script.read_text() + "\n# %% [markdown]\n" + "\n".join(f"# {line}".rstrip() for line in lines) + "\n"
 
 
 def write(path: Path, text: str) -> None:
@@ -42,8 +41,10 @@ def notebook(text: str) -> Any:
 
 
 def copy(_: Any) -> None:
-    """Bring the demos and the notebook into the site's sources."""
-    PAGES.mkdir(exist_ok=True)
+    """Bring the demos, the notebook and the pictures into the site's sources, where Sphinx takes ../demos to be."""
+    (PAGES / "pictures").mkdir(parents=True, exist_ok=True)
+    for picture in (DEMOS / "pictures").glob("*.png"):
+        shutil.copy2(picture, PAGES / "pictures" / picture.name)
     for script in DEMOS.glob("*.py"):
         write(PAGES / script.name, page(script))
     write(PAGES / "notebook.ipynb", (DEMOS / "groove.ipynb").read_text())

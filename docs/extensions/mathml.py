@@ -14,8 +14,8 @@ log = logging.getLogger(__name__)
 
 
 def plain(formula: str) -> str:
-    r"""A formula without what docutils reads otherwise than TeX does: \dots, and the digits of \frac12."""
-    formula = formula.replace(r"\dots", r"\ldots")
+    r"""A formula without what docutils does not read as TeX does: \dots, sizes of brackets, the digits of \frac12."""
+    formula = re.sub(r"\\[bB]igg?[lr]?(?![a-zA-Z])", "", formula.replace(r"\dots", r"\ldots"))
     return re.sub(r"frac\s*(\d)\s*(\d)", r"frac{\1}{\2}", formula)
 
 

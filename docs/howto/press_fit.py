@@ -9,7 +9,7 @@
 # plane stress) with inner, common and outer radius $i, c, o$ give
 #
 # $$ \frac{\delta}{p} = \frac{c}{E} \left[ \frac{o^2 + c^2}{o^2 - c^2} + \frac{c^2 + i^2}{c^2 - i^2} \right]
-#    + \frac{h}{M} . $$
+#   + \frac{h}{M} . $$
 
 # %%
 import contactdd as cd

@@ -1,0 +1,332 @@
+"""What a deck says beside its mesh, card by card, as plain data; and the list of what is not understood.
+
+Later steps change the supports and loads of earlier ones, as programs do: what stands at the end counts, which for
+elastic bodies without friction is all that matters.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..base.arrays import Floats
+from ..files.deck import Card, Deck, entry_of, fields, of_set
+from ..hard_contact import HardContact
+from ..layer import Layer, LinearLayer
+from ..layers.exponential import ExponentialLayer, OverclosureLayer
+from ..layers.table import TableLayer
+from ..material import Anisotropic, Isotropic, Material, Orthotropic
+
+#: Cards that change nothing of the solution: the mesh, which is read elsewhere, headings, output, increments.
+SILENT = {
+    *("HEADING", "NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "PREPRINT", "PART", "ENDPART", "ASSEMBLY"),
+    *("ENDASSEMBLY", "INSTANCE", "ENDINSTANCE", "STATIC", "ENDSTEP", "CONTROLS", "RESTART", "OUTPUT", "NODEPRINT"),
+    *("ELPRINT", "NODEFILE", "ELFILE", "NODEOUTPUT", "ELEMENTOUTPUT", "CONTACTFILE", "CONTACTPRINT", "CONTACTOUTPUT"),
+    *("ENERGYOUTPUT", "SECTIONPRINT", "PRINT", "MONITOR", "TIMEPOINTS", "FILEOUTPUT", "USERELEMENT"),
+}
+#: Held directions by name, as (first, last).
+NAMED_SUPPORTS = {"ENCASTRE": (1, 3), "PINNED": (1, 3), "XSYMM": (1, 1), "YSYMM": (2, 2), "ZSYMM": (3, 3)}
+
+
+@dataclass
+class Section:
+    """The material's name of a set of elements, and its thickness."""
+
+    elset: str
+    material: str
+    thickness: float = 1.0
+
+
+@dataclass
+class Pair:
+    """A contact: the names of both surfaces and of the interaction, and the clearance that is given."""
+
+    slave: str
+    master: str
+    interaction: str
+    clearance: float | None = None
+
+
+@dataclass
+class Model:
+    """A deck's materials, sections, contacts, supports and loads.
+
+    boundaries, forces: {(node, direction from 1): value}; pressures: {(element, face): value}; gravity: {set of
+    elements: acceleration}; initial, temperature: {node: value}; unknown: what is not understood.
+    """
+
+    deck: Deck
+    program: str
+    materials: dict[str, Material] = field(default_factory=dict)
+    densities: dict[str, float] = field(default_factory=dict)
+    expansions: dict[str, float | list[float]] = field(default_factory=dict)
+    sections: list[Section] = field(default_factory=list)
+    behaviours: dict[str, Layer | HardContact] = field(default_factory=dict)
+    pairs: list[Pair] = field(default_factory=list)
+    boundaries: dict[tuple[int, int], float] = field(default_factory=dict)
+    forces: dict[tuple[int, int], float] = field(default_factory=dict)
+    pressures: dict[tuple[int, str], float] = field(default_factory=dict)
+    gravity: dict[str, Floats] = field(default_factory=dict)
+    initial: dict[int, float] = field(default_factory=dict)
+    temperature: dict[int, float] = field(default_factory=dict)
+    unknown: list[str] = field(default_factory=list)
+    _material: str = ""
+    _interaction: str = ""
+
+    def take(self, card: Card) -> None:
+        """Add what a card says."""
+        if card.keyword in SILENT:
+            return
+        taker = TAKERS.get(card.keyword)
+        if taker is None:
+            self.unknown.append(card.keyword)
+            return
+        try:
+            taker(self, card)
+        except (ValueError, IndexError, TypeError) as error:
+            if str(error).startswith("path"):
+                raise
+            line = card.lines[0] if card.lines else ""
+            raise ValueError(
+                f"{self.deck.source} has a *{card.keyword} that cannot be read ({error}): {line!r}"
+            ) from None
+
+    def nodes(self, entry: str) -> list[int]:
+        """The numbers of nodes that an entry stands for."""
+        return [int(number) for number in of_set(self.deck, "NSET", entry_of(entry), ())]
+
+    def elements(self, entry: str) -> list[int]:
+        """The numbers of elements that an entry stands for."""
+        return [int(number) for number in of_set(self.deck, "ELSET", entry_of(entry), ())]
+
+    def not_understood(self, what: str) -> None:
+        """Note something that is not understood, once."""
+        if what not in self.unknown:
+            self.unknown.append(what)
+
+
+def model_of(deck: Deck, cards: Sequence[Card], program: str) -> Model:
+    """The model of a deck, from all of its cards."""
+    model = Model(deck, program)
+    for card in cards:
+        model.take(card)
+    for other in sorted(deck.others):
+        model.not_understood(f"ELEMENT, TYPE={other}")
+    return model
+
+
+def _rows(card: Card) -> list[list[str]]:
+    return [fields(line) for line in card.lines]
+
+
+def _number(word: str) -> float:
+    return float(word.upper().replace("D", "E"))
+
+
+def _numbers(card: Card) -> list[float]:
+    return [_number(word) for row in _rows(card) for word in row if word]
+
+
+# ------------------------------------------------------------------------------------------------------ materials
+
+
+def _material(model: Model, card: Card) -> None:
+    model._material = card.parameters["NAME"]
+
+
+def _elastic(model: Model, card: Card) -> None:
+    kind, rows = card.parameters.get("TYPE", "ISO"), [[_number(w) for w in row if w] for row in _rows(card)]
+    if kind in ("ISO", "ISOTROPIC"):
+        if len(rows) > 1 and any(row[:2] != rows[0][:2] for row in rows):
+            model.not_understood("ELASTIC that depends on temperature")
+        model.materials[model._material] = Isotropic(rows[0][0], rows[0][1] if len(rows[0]) > 1 else 0.0)
+        return
+    values = [value for row in rows for value in row]
+    if kind in ("ENGINEERINGCONSTANTS", "ENGINEERING CONSTANTS"):
+        model.materials[model._material] = Orthotropic(*values[:9])
+    elif kind in ("ORTHO", "ORTHOTROPIC"):
+        model.materials[model._material] = Anisotropic(_orthotropic(values[:9]))
+    else:
+        model.not_understood(f"ELASTIC, TYPE={kind}")
+
+
+def _orthotropic(values: Sequence[float]) -> Floats:
+    """C in the order of Voigt, from D1111, D1122, D2222, D1133, D2233, D3333, D1212, D1313, D2323."""
+    xx, xy, yy, xz, yz, zz, s12, s13, s23 = values
+    matrix = np.diag([xx, yy, zz, s23, s13, s12])
+    for i, j, value in ((0, 1, xy), (0, 2, xz), (1, 2, yz)):
+        matrix[i, j] = matrix[j, i] = value
+    return matrix
+
+
+def _density(model: Model, card: Card) -> None:
+    model.densities[model._material] = _numbers(card)[0]
+
+
+def _expansion(model: Model, card: Card) -> None:
+    rows = [[_number(w) for w in row if w] for row in _rows(card)]
+    kind = card.parameters.get("TYPE", "ISO")
+    if kind not in ("ISO", "ORTHO"):
+        model.not_understood(f"EXPANSION, TYPE={kind}")
+        return
+    width = 1 if kind == "ISO" else 3
+    if any(row[:width] != rows[0][:width] for row in rows):
+        model.not_understood("EXPANSION that depends on temperature")
+    model.expansions[model._material] = rows[0][0] if width == 1 else rows[0][:3]
+
+
+def _section(model: Model, card: Card) -> None:
+    if "ORIENTATION" in card.parameters:
+        model.not_understood("SOLIDSECTION, ORIENTATION")
+    values = _numbers(card)
+    thickness = values[0] if values else 1.0
+    model.sections.append(Section(card.parameters["ELSET"], card.parameters["MATERIAL"], thickness))
+
+
+# ------------------------------------------------------------------------------------------------------ contacts
+
+
+def _interaction(model: Model, card: Card) -> None:
+    model._interaction = card.parameters["NAME"]
+
+
+def _behaviour(model: Model, card: Card) -> None:
+    kind = card.parameters.get("PRESSURE-OVERCLOSURE", "HARD")
+    rows = [[_number(w) for w in row if w] for row in _rows(card)]
+    if kind == "LINEAR":
+        model.behaviours[model._interaction] = LinearLayer(rows[0][0])
+    elif kind == "EXPONENTIAL":
+        c0, p0 = rows[0][:2]
+        made = ExponentialLayer.calculix(p0, c0) if model.program == "calculix" else OverclosureLayer(p0, c0)
+        model.behaviours[model._interaction] = made
+    elif kind == "TABULAR":
+        model.behaviours[model._interaction] = _table(rows)
+    elif kind == "HARD":
+        model.behaviours[model._interaction] = HardContact()
+    else:
+        model.not_understood(f"SURFACEBEHAVIOR, PRESSURE-OVERCLOSURE={kind}")
+
+
+def _table(rows: Sequence[Sequence[float]]) -> TableLayer:
+    """The law through rows of pressure and overclosure, straight in between; it begins at the first of them."""
+    pressures, depths = np.array([row[:2] for row in rows]).T
+    if pressures[0] != 0.0:
+        raise ValueError(f"the table begins with the pressure {pressures[0]:g}; expected 0")
+    return TableLayer(list(depths - depths[0]), list(pressures), smooth=False, clearance=-float(depths[0]) + 0.0)
+
+
+def _pair(model: Model, card: Card) -> None:
+    if "ADJUST" in card.parameters and card.parameters["ADJUST"] not in ("0", "0.", "0.0"):
+        model.not_understood("CONTACTPAIR, ADJUST")
+    for slave, master, *_ in _rows(card):
+        model.pairs.append(Pair(slave.upper(), master.upper(), card.parameters["INTERACTION"]))
+
+
+def _clearance(model: Model, card: Card) -> None:
+    names = card.parameters["SLAVE"], card.parameters["MASTER"]
+    for pair in model.pairs:
+        if (pair.slave, pair.master) == names:
+            pair.clearance = _number(card.parameters["VALUE"])
+
+
+# ----------------------------------------------------------------------------------------------- supports and loads
+
+
+def _anew(model: Model, card: Card) -> None:
+    """Note what a card says of amplitudes, which are not followed."""
+    for name in ("AMPLITUDE", "SUBMODEL", "USER", "TYPE"):
+        if name in card.parameters and card.parameters[name] not in ("DISPLACEMENT",):
+            model.not_understood(f"{card.keyword}, {name}")
+
+
+def _boundary(model: Model, card: Card) -> None:
+    _anew(model, card)
+    if card.parameters.get("OP") == "NEW":
+        model.boundaries.clear()
+    for row in _rows(card):
+        first, last = NAMED_SUPPORTS.get(row[1].upper(), (0, 0)) if len(row) > 1 else (0, 0)
+        if not first:
+            first, last = int(row[1]), int(row[2]) if len(row) > 2 and row[2] else int(row[1])
+        value = _number(row[3]) if len(row) > 3 and row[3] else 0.0
+        for node in model.nodes(row[0]):
+            model.boundaries |= {(node, direction): value for direction in range(first, last + 1)}
+
+
+def _cload(model: Model, card: Card) -> None:
+    _anew(model, card)
+    if card.parameters.get("OP") == "NEW":
+        model.forces.clear()
+    for row in _rows(card):
+        for node in model.nodes(row[0]):
+            model.forces[node, int(row[1])] = _number(row[2])
+
+
+def _dload(model: Model, card: Card) -> None:
+    _anew(model, card)
+    if card.parameters.get("OP") == "NEW":
+        model.pressures.clear()
+        model.gravity.clear()
+    for row in _rows(card):
+        label = row[1].upper()
+        if label == "GRAV":
+            direction = np.array([_number(word) for word in row[3:6]])
+            model.gravity[row[0].upper()] = _number(row[2]) * direction
+        elif re.fullmatch(r"P\d", label):
+            for element in model.elements(row[0]):
+                model.pressures[element, "S" + label[1:]] = _number(row[2])
+        else:
+            model.not_understood(f"DLOAD {label}")
+
+
+def _dsload(model: Model, card: Card) -> None:
+    _anew(model, card)
+    for name, label, value, *_ in _rows(card):
+        if label.upper() != "P" or name.upper() not in model.deck.surfaces:
+            model.not_understood(f"DSLOAD {name}, {label}")
+            continue
+        for entry, face in model.deck.surfaces[name.upper()]:
+            model.pressures |= {(element, face): _number(value) for element in model.elements(entry)}
+
+
+def _initial(model: Model, card: Card) -> None:
+    if card.parameters.get("TYPE") != "TEMPERATURE":
+        model.not_understood(f"INITIALCONDITIONS, TYPE={card.parameters.get('TYPE', '')}")
+        return
+    for row in _rows(card):
+        model.initial |= dict.fromkeys(model.nodes(row[0]), _number(row[1]))
+
+
+def _temperature(model: Model, card: Card) -> None:
+    for name in ("AMPLITUDE", "FILE", "USER"):
+        if name in card.parameters:
+            model.not_understood(f"TEMPERATURE, {name}")
+    for row in _rows(card):
+        model.temperature |= dict.fromkeys(model.nodes(row[0]), _number(row[1]))
+
+
+def _step(model: Model, card: Card) -> None:
+    if "NLGEOM" in card.parameters and card.parameters["NLGEOM"] != "NO":
+        model.not_understood("STEP, NLGEOM")
+
+
+TAKERS: dict[str, Callable[[Model, Card], None]] = {
+    "MATERIAL": _material,
+    "ELASTIC": _elastic,
+    "DENSITY": _density,
+    "EXPANSION": _expansion,
+    "SOLIDSECTION": _section,
+    "SURFACEINTERACTION": _interaction,
+    "SURFACEBEHAVIOR": _behaviour,
+    "CONTACTPAIR": _pair,
+    "CLEARANCE": _clearance,
+    "BOUNDARY": _boundary,
+    "CLOAD": _cload,
+    "DLOAD": _dload,
+    "DSLOAD": _dsload,
+    "INITIALCONDITIONS": _initial,
+    "TEMPERATURE": _temperature,
+    "STEP": _step,
+}
