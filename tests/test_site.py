@@ -23,6 +23,8 @@ pytestmark = pytest.mark.long
 def site() -> Path:
     """The site, built anew where a page has changed."""
     done = subprocess.run([ROOT / "docs" / "build"], capture_output=True, text=True)
+    if done.returncode != 0 and "this Python is of a virtual environment" in done.stderr:
+        pytest.skip(done.stderr)
     assert done.returncode == 0, done.stdout + done.stderr
     return Path(done.stdout.splitlines()[-1]).parent
 
