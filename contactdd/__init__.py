@@ -56,7 +56,7 @@ if TYPE_CHECKING:
     from .adaptation import Adaptation, Round, adapt
     from .decks import read_scene
     from .eigenstrain import Eigenstrain, ThermalStrain
-    from .files import from_gmsh, read_bodies, read_gmsh, read_mesh
+    from .files import from_gmsh, read_bodies, read_geometry, read_gmsh, read_mesh
     from .layers.bonded import BondedLayer
     from .layers.custom import CustomLayer
     from .layers.exponential import ExponentialLayer, OverclosureLayer
@@ -124,6 +124,7 @@ _LATER = {
     "from_gmsh": "files",
     "load_solution": "saved",
     "read_bodies": "files",
+    "read_geometry": "files",
     "read_gmsh": "files",
     "read_mesh": "files",
     "read_scene": "decks",
@@ -233,6 +234,7 @@ __all__ = [
     "one_point",
     "programme",
     "read_bodies",
+    "read_geometry",
     "read_gmsh",
     "read_mesh",
     "read_scene",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from .base import compat
 from .base.arrays import Floats
 from .base.checks import as_count, as_tuple_of
-from .coefficient_value import coefficient_values, is_ufl
+from .coefficient_value import coefficient_values, ufl_in
 from .elements import Elements
 from .field import refuse_other_mesh
 from .kinematics import kinematics as find_kinematics
@@ -28,15 +28,6 @@ from .support import PointDisplacement, Spring, Support
 #: Degrees of elements from which on their stiffness' rounding is felt: at 14 a residual of 3e-12 is left on triangles,
 #: at 20 4e-10, at 30 4e-6.
 LARGEST_DEGREE = 15
-
-
-def _flat(values: Iterable[Any]) -> Iterator[Any]:
-    """The values in values and lists of values."""
-    for value in values:
-        if isinstance(value, list | tuple):
-            yield from _flat(value)
-        else:
-            yield value
 
 
 class Body:
@@ -154,7 +145,7 @@ class Body:
             )
         given = [(type(item).__name__, vars(item).values()) for item in (*self.supports, *self.loads)]
         for kind, values in [*given, ("material", self.material.given())]:
-            if any(is_ufl(value) for value in _flat(values)):
+            if ufl_in(values):
                 raise ValueError(
                     f"body {self.name!r}: its {kind} is a UFL expression, which belongs to its mesh; "
                     "expected a number or a function of the coordinates"
@@ -410,12 +401,12 @@ class Body:
 
     def _check_surfaces(self) -> None:
         """Refuse an unknown surface name or vectors of a wrong length now, not when the forms are made."""
-        for value in (value for value in _flat(self.material.given()) if is_ufl(value)):
+        for value in ufl_in(self.material.given()):
             refuse_other_mesh(f"material of body {self.name!r}", value, self.mesh.domain)
         for item in (*self.supports, *self.loads):
             if hasattr(item, "check"):
                 item.check(self.mesh.dim)
-            for value in (value for value in _flat(vars(item).values()) if is_ufl(value)):
+            for value in ufl_in(vars(item).values()):
                 refuse_other_mesh(f"{type(item).__name__} of body {self.name!r}", value, self.mesh.domain)
             if isinstance(item, BodyLoad):
                 item.check_on(self)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,11 @@ import ufl
 from dolfinx import fem
 
 from .base.arrays import Floats
+
+#: UFL's expressions and forms, and lists: not as unions, which are made anew for every question.
+UFL, LISTS = (ufl.core.expr.Expr, ufl.Form), (list, tuple)
+#: What most values are, told from those at once.
+PLAIN = frozenset([float, int, str, bool, type(None), np.ndarray])
 
 
 class CoefficientValue:
@@ -30,20 +35,20 @@ class CoefficientValue:
 
 def coefficient_values(values: Iterable[Any]) -> list[CoefficientValue]:
     """The values of all Constants and Functions in UFL expressions and forms, also within lists."""
-    return [CoefficientValue(coefficient) for each in _expressions(values) for coefficient in _coefficients(each)]
+    return [CoefficientValue(coefficient) for each in ufl_in(values) for coefficient in _coefficients(each)]
 
 
-def _expressions(values: Iterable[Any]) -> Iterator[Any]:
+def ufl_in(values: Iterable[Any]) -> list[Any]:
+    """UFL's expressions and forms among values and lists of values."""
+    found: list[Any] = []
     for value in values:
-        if isinstance(value, list | tuple):
-            yield from _expressions(value)
-        elif is_ufl(value):
-            yield value
-
-
-def is_ufl(value: Any) -> bool:
-    """Whether a value is an expression or a form of UFL."""
-    return isinstance(value, ufl.core.expr.Expr | ufl.Form)
+        if type(value) in PLAIN:
+            continue
+        if isinstance(value, LISTS):
+            found += ufl_in(value)
+        elif isinstance(value, UFL):
+            found.append(value)
+    return found
 
 
 def _coefficients(expression: Any) -> list[Any]:

@@ -75,7 +75,8 @@ def aitken(k, now):
 # With `order=["lower", "upper"]` the upper body is solved with the displacement that
 # the lower one has just got: the alternating method, block Gauss-Seidel where all at
 # once is block Jacobi. Bodies in a list of their own, `[["a", "c"], "b"]`, are solved
-# at once, as the colours of a chequerboard.
+# at once, as the colours of a chequerboard. A coefficient of a wrong shape, negative or
+# no number, and a body that is misspelt or missing in the order are refused in words.
 #
 # ## Three scenes
 #
@@ -142,6 +143,10 @@ for name in METHODS:
 # no bar but a word. Aitken's rule helps the chord method everywhere. The two-sided
 # coefficient is Newton's method in disguise where both bodies float or both are held
 # alike, and no good where one of each meet: there the order counts.
+#
+# Two bodies that float are the worst case for methods that solve them apart: nothing
+# but the contact holds the pair together, and what moves both alike is damped slowly.
+# The two-sided rows leave that motion at rest, since both bodies get the same force.
 
 # %%
 figure, axes = plt.subplots(figsize=(8, 4.6), layout="constrained")

@@ -47,12 +47,10 @@ WAYS = {
     "VTK file": "meshio converts it to .msh (names are lost; with_surfaces gives new ones)",
     "XML file": "dolfinx' XDMFFile reads those of its own, and cd.from_dolfinx takes the mesh and its tags",
     "HDF5 file": "meshio converts MED and some others to .msh of gmsh",
-    "MED file": "meshio or gmsh (with MED) converts it to .msh",
     "LS-DYNA deck": "save it as a deck of Abaqus or as .msh of gmsh",
     "FreeFem mesh": 'savegmsh of FreeFem, load "gmsh", writes .msh of gmsh',
-    "Nastran deck": "open it in gmsh and save it as .msh",
-    "STL file": "mesh its inside with gmsh and save that as .msh",
-    "STEP file": "mesh it with gmsh, in a .geo script that merges it, or from Python and cd.from_gmsh",
+    "STL file": "cd.read_geometry meshes its inside",
+    "STEP file": "cd.read_geometry meshes it",
 }
 
 

@@ -111,6 +111,67 @@ def read(path: Path, dim: int | None, script: bool, order: int, parameters: Mapp
             return contents(gmsh.model, dim, source)
 
 
+def read_med(path: Path, dim: int | None) -> Contents:
+    """The nodes, cells and groups of a MED file, where gmsh was built with that library."""
+    import gmsh
+
+    with _session(gmsh) as own:
+        if "Med" not in gmsh.option.getString("General.BuildOptions").split():
+            raise ValueError(
+                f"path = {str(path)!r}: the format is MED file, and this gmsh was built without MED; expected another "
+                "gmsh, such as PyPI's, or the mesh as .msh, which meshio converts it to"
+            )
+        with _opened(gmsh, path, own):
+            return contents(gmsh.model, dim, f"path = {str(path)!r}: the file")
+
+
+def meshed(path: Path, size: float, order: int, kind: str) -> Contents:
+    """The mesh of the inside of a geometry, its cells of a size; kind: "STEP file", or "STL file" of a surface."""
+    import gmsh
+
+    with _session(gmsh) as own, _opened(gmsh, path, own), _sizes(gmsh, size):
+        try:
+            if kind == "STL file":
+                _fill(gmsh)
+            dim = gmsh.model.getDimension()
+            if dim < 2:
+                raise ValueError("there is nothing to be meshed in it")
+            gmsh.model.mesh.generate(dim)
+            gmsh.model.mesh.setOrder(order)
+        except Exception as error:
+            raise ValueError(f"path = {str(path)!r}: gmsh cannot mesh it: {error}") from None
+        return contents(gmsh.model, dim, f"path = {str(path)!r}: the file")
+
+
+def _fill(gmsh: Any) -> None:
+    """Make a volume of the current model's triangles, its faces divided where they meet at more than 40°."""
+    gmsh.model.mesh.removeDuplicateNodes()
+    corners = np.concatenate([nodes for _, _, nodes in _elements(gmsh.model, 2)] or [np.zeros((0, 3), dtype=np.int64)])
+    edges = np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), axis=1)
+    counts = np.unique(edges, axis=0, return_counts=True)[1]
+    if np.any(counts != 2) or len(counts) == 0:
+        raise ValueError(f"{int(np.sum(counts != 2))} edges have not two triangles; expected a closed surface")
+    gmsh.model.mesh.classifySurfaces(np.deg2rad(40.0), True, True, np.pi)
+    gmsh.model.mesh.createGeometry()
+    surfaces = [tag for _, tag in gmsh.model.getEntities(2)]
+    gmsh.model.geo.addVolume([gmsh.model.geo.addSurfaceLoop(surfaces)])
+    gmsh.model.geo.synchronize()
+
+
+@contextmanager
+def _sizes(gmsh: Any, size: float) -> Iterator[None]:
+    """A size of cells everywhere, the user's options set back afterwards."""
+    wanted = {"MeshSizeMin": size, "MeshSizeMax": size, "MeshSizeFromPoints": 0, "MeshSizeExtendFromBoundary": 0}
+    before = {name: gmsh.option.getNumber(f"Mesh.{name}") for name in wanted}
+    for name, value in wanted.items():
+        gmsh.option.setNumber(f"Mesh.{name}", value)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            gmsh.option.setNumber(f"Mesh.{name}", value)
+
+
 def mesh_cache() -> Path:
     """The folder of the meshes made from scripts: contactdd/meshes in $XDG_CACHE_HOME or ~/.cache."""
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "contactdd" / "meshes"

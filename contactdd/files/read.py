@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..base.checks import as_count
-from ..mesh import Mesh
+from ..base.checks import as_count, positive
+from ..mesh import Marker, Mesh
 from .contents import Contents
 from .formats import format_of, refuse
 
 GMSH = ".msh files of gmsh 2 and 4 and .geo scripts"
-ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp), universal files (.unv)"
+ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp), universal files (.unv), bulk data of Nastran (.bdf)"
 
 
 def read_gmsh(
@@ -49,12 +49,13 @@ def read_gmsh(
 def read_mesh(
     path: str | Path, body: str | None = None, *, dim: int | None = None, order: int = 1, **parameters: float
 ) -> Mesh:
-    r"""The mesh of a body in a file of gmsh, Abaqus or CalculiX, or in a universal file, with its named surfaces.
+    r"""The mesh of a body in a file of gmsh, Abaqus, CalculiX, Nastran or Salome, with its named surfaces.
 
     Args:
         path: The path of the file; its first bytes tell the format.
         body: The group of cells to take: a physical group of gmsh, an ``*ELSET`` of a deck (in capitals), a group of
-            elements. By default all cells; of gmsh's files those in groups, if there are such.
+            elements, the number of a property of Nastran ("3"). By default all cells; of gmsh's files those in groups,
+            if there are such.
         dim: 2 or 3; by default 3 if there are solid cells.
         order: The degree of the geometry made from a .geo script.
         parameters: Numbers of a .geo script.
@@ -103,6 +104,38 @@ def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **p
     return {name: found.mesh(name) for name in found.bodies}
 
 
+def read_geometry(path: str | Path, size: float, *, order: int = 1, **markers: Marker) -> Mesh:
+    """The mesh of the inside of a geometry: a STEP file (.step, .stp), or a closed surface of triangles (.stl).
+
+    Solids of an assembly that are not glued are pieces of the mesh: `mesh.pieces()` gives one for each.
+
+    Args:
+        path: The path of the file; its first bytes tell the format.
+        size: The size of the cells (length; of a STEP file in mm, whatever its own unit), which are tetrahedra.
+        order: The degree of the geometry, 2 for curved cells; an .stl has flat facets whatever it is.
+        markers: The named surfaces, name = function of coordinates x (3, points) (length) to bool (points,), as of
+            `Mesh.with_surfaces`.
+
+    Returns:
+        The mesh.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: It is no geometry, gmsh cannot mesh it, or a marker marks no facet.
+
+    Example:
+        >>> cd.read_geometry("bracket.step", 2.0, foot=lambda x: x[2] < 1e-6)  # doctest: +SKIP
+    """
+    path, length = Path(path), positive("size", size)
+    found = format_of(path)
+    if found not in ("STEP file", "STL file"):
+        raise refuse(path, found, "cd.read_geometry", "STEP and STL files")
+    from . import gmsh
+
+    mesh = gmsh.meshed(path, length, as_count("order", order), found).mesh()
+    return mesh.with_surfaces(**markers) if markers else mesh
+
+
 def _contents(path: Path, found: str, dim: int | None, order: int, parameters: Mapping[str, float]) -> Contents:
     """The nodes, cells and groups of a file in one of the formats that are read here."""
     if dim not in (None, 2, 3):
@@ -121,4 +154,12 @@ def _contents(path: Path, found: str, dim: int | None, order: int, parameters: M
         from . import universal
 
         return universal.read(path, dim)
+    if found == "Nastran deck":
+        from . import nastran
+
+        return nastran.read(path, dim)
+    if found == "MED file":
+        from . import gmsh
+
+        return gmsh.read_med(path, dim)
     raise refuse(path, found, "cd.read_mesh", ALL)

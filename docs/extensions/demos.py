@@ -14,8 +14,7 @@ DEMOS, PAGES = ROOT / "demos", ROOT / "docs" / "demos"
 
 def pictures(demo: str) -> list[str]:
     """The names of the committed pictures of a demo."""
-    folder = DEMOS / "pictures"
-    return sorted(path.name for pattern in (f"{demo}.png", f"{demo}_*.png") for path in folder.glob(pattern))
+    return sorted(path.name for path in (DEMOS / "pictures").glob(f"{demo}_*.png"))
 
 
 def page(script: Path) -> str:
