@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
     from .decks import read_scene
+    from .dual.bound import EnergyBound, energy_bound
     from .eigenstrain import Eigenstrain, ThermalStrain
     from .files import from_gmsh, read_bodies, read_geometry, read_gmsh, read_mesh
     from .layers.bonded import BondedLayer
@@ -91,6 +92,7 @@ _LATER = {
     "Cylinder": "shapes",
     "Eigenstrain": "eigenstrain",
     "ElasticStrip": "partners.periodic",
+    "EnergyBound": "dual.bound",
     "ExponentialLayer": "layers.exponential",
     "FacetedSurface": "shapes.faceted",
     "FlatPunch": "shapes",
@@ -121,6 +123,7 @@ _LATER = {
     "ThermalStrain": "eigenstrain",
     "VaryingLayer": "layers.varying",
     "adapt": "adaptation",
+    "energy_bound": "dual.bound",
     "from_gmsh": "files",
     "load_solution": "saved",
     "read_bodies": "files",
@@ -158,6 +161,7 @@ __all__ = [
     "Displacement",
     "Eigenstrain",
     "ElasticStrip",
+    "EnergyBound",
     "ErrorEstimate",
     "Estimated",
     "ExponentialLayer",
@@ -227,6 +231,7 @@ __all__ = [
     "adapt",
     "box",
     "compat",
+    "energy_bound",
     "error_estimate",
     "from_dolfinx",
     "from_gmsh",

@@ -73,6 +73,7 @@ class Body:
             raise TypeError(f"name = {name!r}: expected a text")
         if not isinstance(mesh, Mesh):
             raise TypeError(f"mesh = {mesh!r}: expected a contactdd mesh, such as cd.rectangle(...) makes")
+        self._given_material = material
         if isinstance(material, Mapping):
             from .piecewise_material import PiecewiseMaterial
 
@@ -156,7 +157,7 @@ class Body:
         return Body(
             self.name,
             mesh,
-            getattr(self.material, "materials", self.material),
+            self._given_material,
             supports=self.supports,
             loads=self.loads,
             degree=degree,

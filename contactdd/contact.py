@@ -144,19 +144,25 @@ class Contact:
         other.sides = first, second
         return other
 
-    def raised(self, degrees: int) -> Contact:
+    def raised(self, degrees: int, *, finely: bool = False) -> Contact:
         """The same contact for elements of a higher degree.
 
         Its law is evaluated at more Gauss points; hard contact's pressures stay at nodes.
 
         Args:
             degrees: The number of degrees by which the elements are higher.
+            finely: Whether at about four times as many points along a facet as the contact has now: in facets where
+                contact ends the error of n points falls like n⁻² only, whatever the elements' degree.
         """
         other = copy(self)
         if not isinstance(self.layer, HardContact):
             other.quadrature = "gauss"
-        if self.quadrature_degree is not None:
-            other.quadrature_degree = self.quadrature_degree + 2 * degrees
+        own = self.quadrature_degree
+        if finely:
+            elements = max(body.degree for body, _ in self.sides if body.mesh is not None)
+            other.quadrature_degree = 4 * (own or 2 * elements) + 2 * degrees
+        elif own is not None:
+            other.quadrature_degree = own + 2 * degrees
         return other
 
     def with_layer(self, layer: Layer | HardContact) -> Contact:

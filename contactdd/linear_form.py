@@ -72,6 +72,7 @@ class LinearForm(FormLoad):
                 f"form of body {body.name!r}: its test function has the shape {argument.ufl_shape}; expected "
                 f"{(body.elements.mesh.dim,)}"
             )
+        _refuse_unknown_parts(body.name, form)
         refuse_other_mesh(f"form of body {body.name!r}", form, body.elements.mesh.domain)
         return form if argument == v else ufl.replace(form, {argument: v})
 
@@ -82,6 +83,16 @@ class LinearForm(FormLoad):
             body: The body.
         """
         return [self.form_on(body, ufl.TestFunction(body.space)), *self.follows]
+
+
+def _refuse_unknown_parts(name: str, form: Any) -> None:
+    """Refuse integrals over a numbered part of a mesh that nothing numbers: dolfinx takes them for zero."""
+    for integral in form.integrals():
+        if integral.subdomain_id() != "everywhere" and integral.subdomain_data() is None:
+            raise ValueError(
+                f"form of body {name!r}: an integral over the part {integral.subdomain_id()} of a mesh without parts; "
+                "expected a measure with subdomain_data, such as ufl.Measure('ds', domain, subdomain_data=facet_tags)"
+            )
 
 
 def _argument(form: Any) -> Any:

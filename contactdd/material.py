@@ -30,6 +30,10 @@ Number = float | Callable[[Floats], Any]
 EXPRESSION_DEGREE = 3
 
 
+#: Points (3, 4) at which a material that does not vary has one stiffness.
+ANYWHERE = np.array([[0.0, 1.0, -2.3, 17.0], [0.0, -1.7, 0.4, 31.0], [0.0, 0.6, 5.0, -23.0]])
+
+
 #: Voigt's order of the tensor components; shear strains count twice (engineering strains).
 VOIGT = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
@@ -43,7 +47,7 @@ class Material(ABC):
 
     A subclass gives `_stiffness(x)`, C at points x (3, points) in Voigt's notation, (points, 6, 6), and keeps its
     constants as attributes: numbers, functions of the coordinates x, or UFL expressions, which are functions of x by
-    the time that `_stiffness` sees them.
+    the time that `_stiffness` sees them. One that varies in another way says so by its property `varies`.
 
     Attributes:
         checked: Whether `_stiffness` itself refuses what is not symmetric positive definite.
@@ -87,10 +91,20 @@ class Material(ABC):
         if x is None:
             if self.varies:
                 raise ValueError(f"x = None: {self!r} varies in space; expected points (3, n)")
-            return self.stiffness(np.zeros((3, 1)))[0]
+            return self.stiffness(np.zeros((3, 1)))[0] if self.checked else self._uniform()
         for name, value in self._expressions.items():
             raise ValueError(f"{name} = {value!r}: its values depend on the cell; expected material.within(cells)")
         return self._stiffness(x) if self.checked else _definite(self._stiffness(x), x)
+
+    def _uniform(self) -> Floats:
+        """C of a subclass that says it does not vary, refused where it does."""
+        values = self.stiffness(ANYWHERE)
+        if np.ptp(values, axis=0).max() > 0.0:
+            raise ValueError(
+                f"{self!r}: its stiffness varies in space, and it has no attribute that is a function; expected a "
+                "property `varies` that says so"
+            )
+        return np.asarray(values[0])
 
     def within(self, cells: NDArray[np.int32]) -> Material:
         """The same material at points of which the mesh's cells are known, its UFL expressions functions of x.

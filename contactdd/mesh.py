@@ -138,7 +138,10 @@ class Mesh:
             ValueError: A marker returns something else, or marks no facet.
         """
         left_out = {name: why for name, why in self.left_out.items() if name not in markers}
-        mesh = Mesh(self.domain, {**self.surfaces, **_mark(self.domain, markers)}, left_out, self.subdomains)
+        marked = _mark(self.domain, markers)
+        for name, facets in marked.items():
+            _check_surface(self.domain, name, facets)
+        mesh = Mesh._sound(self.domain, {**self.surfaces, **marked}, None, left_out, self.subdomains)
         vars(mesh).update(self._pieces_known())
         return mesh
 
@@ -318,14 +321,15 @@ class Mesh:
         cls,
         domain: dmesh.Mesh,
         surfaces: Mapping[str, NDArray[np.int32]],
-        entities: dict[str, NDArray[np.int32]],
+        entities: dict[str, NDArray[np.int32]] | None,
         left_out: Mapping[str, str],
         subdomains: Mapping[str, NDArray[np.int32]],
     ) -> Mesh:
-        """A mesh that is known to be valid, made without the checks."""
+        """A mesh that is known to be valid, made without the checks; entities: of the surfaces, None if not known."""
         mesh = object.__new__(cls)
-        known = {"surfaces": surfaces, "_entities": entities, "left_out": left_out, "subdomains": subdomains}
-        vars(mesh).update(domain=domain, **known)
+        vars(mesh).update(domain=domain, surfaces=surfaces, left_out=left_out, subdomains=subdomains)
+        if entities is not None:
+            vars(mesh).update(_entities=entities)
         return mesh
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -99,8 +99,8 @@ class Scene:
         """Every body's local problem, in order.
 
         Args:
-            local_solver: "condensed", "assembled", "multigrid", a registered name, or "auto": condensed unless a body
-                is too large for it.
+            local_solver: "condensed", "assembled", "multigrid", a registered name, or "auto": for each body the
+                one of "condensed" and "multigrid" that is estimated to cost less.
 
         Raises:
             ValueError: There is no local solver of that name.
@@ -114,6 +114,11 @@ class Scene:
         if self._solvers is None:
             self._solvers = LocalSolvers(self.bodies, [*self.interfaces, *self.sliding], self.ranks)
         return self._solvers.problems(local_solver)
+
+    @property
+    def estimates(self) -> list[str]:
+        """What local solvers were estimated to cost where "auto" chose between them, in words."""
+        return [] if self._solvers is None else self._solvers.notes
 
     def subproblems(self, local_solver: str = "auto") -> list[LocalProblem]:
         """The old name of `local_problems`.
@@ -321,8 +326,9 @@ class Scene:
             if count > 1:
                 raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
         used: dict[tuple[int, int], str] = {}
+        there = {id(body) for body in self.bodies}
         for contact in self.contacts:
-            self._check_contact(contact, used)
+            _check_contact(contact, there, used)
         touching = {id(body) for contact in self.contacts for body, _ in contact.sides}
         for body in self.bodies:
             if id(body) not in touching:
@@ -331,23 +337,24 @@ class Scene:
             if body.mesh is not None and _may_contradict(body.supports):
                 admissible_space(body)  # refuses supports that prescribe different displacements
 
-    def _check_contact(self, contact: Contact, used: dict[tuple[int, int], str]) -> None:
-        """The bodies of a contact are the scene's, and no facet is in two contacts."""
-        if contact.sides[0][0] is contact.sides[1][0]:
-            raise ValueError(f"contact {contact.name!r}: expected two different bodies")
-        for body, surface in contact.sides:
-            if not any(body is other for other in self.bodies):
-                raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
-            if body.kinematics.axisymmetric != contact.sides[0][0].kinematics.axisymmetric:
-                raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
-            for facet in () if body.mesh is None else body.mesh.facets(surface):
-                key = (id(body), int(facet))
-                if key in used:
-                    raise ValueError(
-                        f"contact {contact.name!r}: surface {surface!r} of body {body.name!r} has facets that contact "
-                        f"{used[key]!r} uses already"
-                    )
-                used[key] = contact.name
+
+def _check_contact(contact: Contact, there: set[int], used: dict[tuple[int, int], str]) -> None:
+    """The bodies of a contact are the scene's (there: their ids), and no facet is in two contacts."""
+    if contact.sides[0][0] is contact.sides[1][0]:
+        raise ValueError(f"contact {contact.name!r}: expected two different bodies")
+    for body, surface in contact.sides:
+        if id(body) not in there:
+            raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
+        if body.kinematics.axisymmetric != contact.sides[0][0].kinematics.axisymmetric:
+            raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
+        for facet in () if body.mesh is None else body.mesh.facets(surface).tolist():
+            key = (id(body), facet)
+            if key in used:
+                raise ValueError(
+                    f"contact {contact.name!r}: surface {surface!r} of body {body.name!r} has facets that contact "
+                    f"{used[key]!r} uses already"
+                )
+            used[key] = contact.name
 
 
 def _typed(name: str) -> str:

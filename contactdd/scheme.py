@@ -134,6 +134,11 @@ class Scheme:
         return phi
 
     @property
+    def pointwise(self) -> bool:
+        """Whether the coefficient at a point is known to depend on nothing but the law and the gaps there."""
+        return self.coefficient in POINTWISE
+
+    @property
     def decomposed(self) -> bool:
         """Whether an iteration is one solve of each body by itself, relaxed."""
         return self.step == "decomposed"
@@ -205,6 +210,10 @@ def _subset(values: ArrayLike, z: Floats) -> NDArray[np.bool_]:
 
 #: The coefficients of the schemes here, whose values need no check.
 COEFFICIENTS = (semismooth, nowhere, everywhere, chord, kurchatov)
+
+
+#: Those of them that look at the law and the gaps at each point alone.
+POINTWISE = (semismooth, nowhere, chord, kurchatov)
 
 
 SCHEMES = {

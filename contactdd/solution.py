@@ -30,6 +30,7 @@ from .interface.discretise import Interface, discretise
 from .interface.surface import PointSurface
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
+from .system.joint_motions import settled
 
 if TYPE_CHECKING:
     from .layers.gasket import GasketAtPoints
@@ -433,6 +434,28 @@ class Solution:
 
         return closing_stiffness(self._ensemble, self.scene.ranks, self._state.gaps, self._contact_index(contact))
 
+    def influence(self, factors: Sequence[Floats]) -> list[Floats]:
+        """The influence of forces on weighted contact pressures: displacements z, (dofs,) of every body.
+
+        Small forces F at all degrees of freedom change Σ ∫ f p over the contacts by F·z: what a cell's or a load's
+        error does to the pressures, from the adjoint of the tangent (17). Collective: on several ranks all have to call
+        it.
+
+        Args:
+            factors: f at the points of every contact, (points,) each, in the scene's order.
+
+        Raises:
+            ValueError: There are not as many factors as points.
+            LooseBodyError: The closed contacts leave a body free.
+        """
+        from .iteration.influence import influence
+
+        wanted = [(len(interface.weights),) for interface in self.interfaces]
+        if [np.shape(each) for each in factors] != wanted:
+            raise ValueError(f"factors of shapes {[np.shape(f) for f in factors]}: expected {wanted}, as the points")
+        sliding = [np.zeros(len(other.weights)) for other in self._ensemble.interfaces[len(wanted) :]]
+        return influence(self._ensemble, self.scene.ranks, self._state.gaps, [*factors, *sliding])
+
     @cached_property
     def strain_sizes(self) -> list[StrainSize]:
         """The largest strain and rotation of each body that has a mesh, in the order of the scene's bodies."""
@@ -602,15 +625,9 @@ class Solution:
 
         Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
         """
-        motions = self._ensemble.rigid
-        if motions.modes.shape[1] == 0 or motions.unresisted.shape[1] == 0:
-            return fields
-        moves = []
-        parts = motions.by_owner(motions.unresisted)
-        for problem, owner, part in zip(self._ensemble.problems, motions.owners, parts, strict=True):
-            moves.append(problem.dofs.rigid_displacements(owner.coefficients @ part))
-        drift = np.linalg.lstsq(np.vstack(moves), np.concatenate([f.displacement for f in fields]), rcond=None)[0]
-        return [replace(f, displacement=f.displacement - move @ drift) for f, move in zip(fields, moves, strict=True)]
+        problems, motions = self._ensemble.problems, self._ensemble.rigid
+        displacements = settled(problems, motions, [field.displacement for field in fields])
+        return [replace(f, displacement=u) for f, u in zip(fields, displacements, strict=True)]
 
     def _closed(self, interface: Interface) -> Floats:
         """u_αn + u_βn at the points of an interface, (points,), from the condensed unknowns where they suffice."""

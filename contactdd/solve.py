@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from functools import wraps
@@ -13,9 +14,10 @@ from typing import TYPE_CHECKING, ParamSpec, cast
 
 import numpy as np
 
+from .base.arrays import Floats
 from .base.checks import as_bool, as_count, check_choice, finite, positive
 from .doubts import warn_of_doubts
-from .errors import CheckpointError, NoEquilibriumError, NotConvergedError
+from .errors import CheckpointError, ContactWarning, NoEquilibriumError, NotConvergedError
 from .hard_contact import HardContact
 from .history import Record
 from .iteration.augmented import AugmentedRun
@@ -34,7 +36,8 @@ from .system.ensemble import Ensemble
 from .system.likeness import refuse_differences
 
 if TYPE_CHECKING:
-    from .layers.gasket import GasketLayer
+    from .interface.discretise import Interface
+    from .layers.gasket import GasketAtPoints, GasketLayer
 
 P = ParamSpec("P")
 
@@ -101,8 +104,9 @@ def solve(
             others from undeformed bodies, of which floating ones are moved until their contacts close.
         previous: u_n of the iterate before the start (length), for the two-point methods; by default the start itself.
         local_solver: "condensed" (each body is condensed once to the displacements at its contacts, by a Schur
-            complement; the default up to a size), "assembled" (each body's full matrix is assembled and factored in
-            every iteration), "multigrid" (nothing is factored, for large solids), a registered name, or "auto".
+            complement), "assembled" (each body's full matrix is assembled and factored in every iteration), "multigrid"
+            (nothing is factored, for large solids), a registered name, or "auto": condensed or multigrid, whichever is
+            estimated to cost less; `history` notes the estimates for large solids.
         callback: A function of each iteration's `Record`; the run ends when it returns True.
         progress: Whether a progress bar is shown, by default on a terminal or in a notebook.
         on_failure: "raise" an error, or "return" the last iterate as a solution with its status.
@@ -126,7 +130,8 @@ def solve(
     Warns:
         LayerRangeWarning: A layer is compressed further than its law is known.
         LargeStrainWarning: Strains or rotations are too large for linear theory.
-        ContactWarning: Facets leave open which curved surface is meant.
+        ContactWarning: Facets leave open which curved surface is meant; a gasket was closed further in the start than
+            the scene remembers.
         RuntimeWarning: The checkpoint cannot be written, or not in the file given.
 
     Example:
@@ -163,10 +168,14 @@ def solve(
         scene = _remembering(scene, file)
     ensemble = _ensemble(scene, scheme, local_solver)
     step = find_step(scheme, ensemble, ranks)
+    if local_solver == "auto" and scene.estimates:
+        step.note = ", ".join(filter(None, (step.note, *scene.estimates)))
     run: Run | AugmentedRun
     if file is not None and resume and ranks.once(file.exists):
         run = Run(ensemble, ranks, scheme, step, *read(file, ensemble, scheme.name, ranks))
     else:
+        if isinstance(start, Solution):
+            _warn_of_forgotten(scene, start)
         first = _start(ensemble, scene, scheme, gamma, start, previous)
         run = (AugmentedRun if _is_hard(scene) else Run)(ensemble, ranks, scheme, step, first)
     writer = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
@@ -198,6 +207,26 @@ def _remembering(scene: Scene, file: Path) -> Scene:
             raise CheckpointError(f"checkpoint = {str(file)!r}: no closures of contact {contact.name!r} at its points")
         scene = scene.with_layer(cast("GasketLayer", contact.layer).remembering(x, known[index]), contact.name)
     return scene
+
+
+def _warn_of_forgotten(scene: Scene, start: Solution) -> None:
+    """Warn where a start's gaskets were closed further than those of the scene remember."""
+    if not start.converged or not any(interface.layer.remembers for interface in scene.interfaces):
+        return
+    for interface, after in zip(scene.interfaces, start.scene_after.interfaces, strict=False):
+        here, there = _closures(interface), _closures(after)
+        if here.shape == there.shape and np.any(there > here):
+            warnings.warn(
+                f"start: the gasket of contact {interface.contact.name!r} was closed up to {there.max():.6g} in it, "
+                f"and the scene's remembers {here.max():.6g}; start.scene_after is the scene that goes on from there",
+                ContactWarning,
+                stacklevel=4,  # `solve` and its decorator are between
+            )
+
+
+def _closures(interface: Interface) -> Floats:
+    """What the layer of a contact remembers, (points,); nothing of one that does not."""
+    return cast("GasketAtPoints", interface.layer).closures if interface.layer.remembers else np.zeros(0)
 
 
 def _is_hard(scene: Scene) -> bool:

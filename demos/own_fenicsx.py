@@ -22,6 +22,9 @@
 # of pad and plate, here neglected.
 
 # %%
+import contactdd as cd  # first: it finds the libraries of dolfinx' wheel, where that is installed
+
+# isort: split
 import dolfinx.io
 import matplotlib.pyplot as plt
 import numpy as np
@@ -30,8 +33,6 @@ from dolfinx import fem
 from dolfinx import mesh as dmesh
 from mpi4py import MPI
 from studies.results import Report
-
-import contactdd as cd
 
 report = Report(__file__, "A scene from dolfinx' meshes, tags, forms and functions")
 

@@ -120,6 +120,7 @@ def cubes(behaviour: str, load: str, *, lid: tuple[float, float] = (1.0, 1.2)) -
     cube(deck, "LOWER", 1, (0, 0, 0), (1, 1, 1))
     cube(deck, "UPPER", 2, (0.4, 0.4, lid[0]), (0.6, 0.6, lid[1]))
     deck.add("*SURFACE, NAME=MASTER\nLOWER, S2\n*SURFACE, NAME=SLAVE, TYPE=NODE\nUPPER_BELOW,\n")
+    deck.add("*SURFACE, NAME=BELOW\nUPPER, S1\n")
     deck.add(f"*MATERIAL, NAME=STEEL\n{ELASTIC}*DENSITY\n2.\n")
     deck.add("*SOLID SECTION, ELSET=LOWER, MATERIAL=STEEL\n*SOLID SECTION, ELSET=UPPER, MATERIAL=STEEL\n")
     deck.add(f"*SURFACE INTERACTION, NAME=SI\n*SURFACE BEHAVIOR, {behaviour}\n")
@@ -132,7 +133,18 @@ def cubes(behaviour: str, load: str, *, lid: tuple[float, float] = (1.0, 1.2)) -
 M = E * (1 - NU) / ((1 + NU) * (1 - 2 * NU))
 
 
-@pytest.mark.parametrize("load", ["*DLOAD\nUPPER, P1, -25.\n", "*CLOAD\nUPPER_BELOW, 3, -0.25\n"])
+#: A force of 1 down: as a pressure, at nodes, in two parts of one step, and in a second step in place of the first's.
+LOADS = {
+    "pressure": "*DLOAD\nUPPER, P1, -25.\n",
+    "two pressures": "*DLOAD\nUPPER, P1, -20.\n*DSLOAD\nBELOW, P, -5.\n",
+    "forces": "*CLOAD\nUPPER_BELOW, 3, -0.25\n",
+    "twice in a step": "*CLOAD\nUPPER_BELOW, 3, -0.2\nUPPER_BELOW, 3, -0.05\n",
+    "two steps": "*CLOAD\nUPPER_BELOW, 3, -0.7\n*END STEP\n*STEP\n*STATIC\n*CLOAD\nUPPER_BELOW, 3, -0.25\n",
+    "new": "*DLOAD\nUPPER, P1, 7.\n*END STEP\n*STEP\n*STATIC\n*DLOAD, OP=NEW\nUPPER, P1, -25.\n",
+}
+
+
+@pytest.mark.parametrize("load", LOADS.values(), ids=LOADS)
 def test_blocks_with_an_exponential_law(load, tmp_path):
     """Case 5, contact1: the force 0.8310962 and both displacements, by F = 1 − k₂ u₂ = k₁ u₁ = 0.2 exp(3e7 d)."""
     deck = cubes(f"PRESSURE-OVERCLOSURE=EXPONENTIAL\n{np.log(100) / 3e7:.15g}, 5.\n", load)

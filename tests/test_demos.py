@@ -15,7 +15,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 SCENES = ["groove", "groove_short", "three_bodies", "stack", "grooved_block_3d", "cylinder", "anisotropic", "indenters"]
-SCENES += ["lap_joint", "flange"]
+SCENES += ["lap_joint", "flange", "machine_joint", "coated_roller"]
 
 
 def run(demo: str, out: Path, *options: str) -> dict | list:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -199,6 +201,20 @@ def test_solve_alone_remembers_nothing():
     plain = cd.solve(pressed(TABLE, 5.0))
     assert plain.scene_after is plain.scene
     assert plain.dissipated_energy == 0.0
+
+
+def test_a_start_is_no_history():
+    """To start from a solution is not to go on from its gaskets: said when it is done, and not when it is meant."""
+    load = cd.Parameter(30.0)
+    scene = pressed(MEASURED, load)
+    first = cd.solve(scene)
+    load.value = 10.0
+    with pytest.warns(cd.ContactWarning, match="start.scene_after is the scene that goes on"):
+        cd.solve(scene, start=first)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        second = cd.solve(first.scene_after, start=first)
+        cd.programme(second.scene_after, load, [5.0, 40.0], start=second)
 
 
 def test_saved_with_checkpoints_and_solutions(tmp_path):

@@ -41,7 +41,7 @@ LEVELS = [
     ["doubts"],
     ["solve"],
     ["error_estimate"],
-    ["adaptation"],
+    ["adaptation", "dual"],
     ["programme"],
     ["scene_file"],
     ["__main__"],

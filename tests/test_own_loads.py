@@ -115,6 +115,7 @@ def test_a_function_that_reads_a_parameter():
         (lambda: cd.LinearForm(lambda body, v: ufl.TestFunction(scalars(body)) * ufl.dx), r"shape \(\)"),
         (lambda: cd.LinearForm(ufl.TestFunction(vectors())[1] * ufl.dx), "another mesh"),
         (lambda: cd.Pressure("top", fem.Constant(upper().domain, 1.0)), "another mesh"),
+        (lambda: cd.LinearForm(lambda body, v: v[1] * ufl.ds(2)), "without parts"),
         (lambda: cd.Pressure("top", 1 / cd.Parameter(0.0)), "finite"),
         (lambda: cd.Parameter(1.0) * "two", "operand"),
     ],

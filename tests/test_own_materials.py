@@ -145,6 +145,28 @@ def test_material_of_ones_own():
         cd.solve(column(Graded(-1.0), mesh))
 
 
+class Hidden(Graded):
+    """A stiffness that varies, and nothing that tells so."""
+
+    def _stiffness(self, x: np.ndarray) -> np.ndarray:
+        return (1e3 * (1 + x[1] ** 2))[:, None, None] * cd.Isotropic(1.0, 0.2).stiffness()
+
+
+class Told(Hidden):
+    varies = True
+
+
+def test_material_that_varies_without_a_word():
+    """Its value at one point would pass for that of all: refused, unless the class says that it varies."""
+    domain, _ = tagged()
+    mesh = cd.from_dolfinx(domain, **SIDES)
+    with pytest.raises(ValueError, match="varies in space"):
+        cd.solve(column(Hidden(None), mesh))
+    expected = cd.solve(column(Graded(lambda x: 1e3 * (1 + x[1] ** 2)), mesh)).displacement("column").x.array
+    found = cd.solve(column(Told(None), mesh)).displacement("column").x.array
+    np.testing.assert_array_equal(found, expected)
+
+
 def test_motions_from_functions():
     """A prescribed displacement as a Function, its component, or an expression with a Constant; changes are seen."""
     domain, _ = tagged()

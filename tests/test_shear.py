@@ -183,6 +183,46 @@ def test_results(tmp_path):
     assert cd.error_estimate(found).contact().force.error < 1e-7
 
 
+def test_floating_pair():
+    """Nothing but the bond holds two blocks that are pulled apart; pulled along at one end, they move for ever."""
+
+    def scene(along):
+        ends = [cd.Traction("bottom", (0, -5.0)), cd.Traction("left", (-3.0, 0)), cd.Traction("right", (3.0, 0))]
+        low = cd.Body("low", cd.rectangle((0, 0), (2, 1), UNLIKE[0]), STEEL, loads=ends)
+        high = cd.Body("high", cd.rectangle((0, 1), (2, 2), UNLIKE[1]), STEEL, loads=[cd.Traction("top", (along, 5.0))])
+        return cd.Scene([low, high], [cd.Contact((low, "top"), (high, "bottom"), GLUE)])
+
+    first, *others = (cd.solve(scene(0.0), m).contact() for m in ("auto", "anderson", "newton-krylov", "one-point"))
+    assert first.force == pytest.approx(-10.0, rel=1e-9)
+    for other in others:
+        assert np.abs(other.shear - first.shear).max() < 1e-8 * 5  # of the pull, to the runs' 1e-10
+    with pytest.raises(cd.NoEquilibriumError):
+        cd.solve(scene(1.0))
+
+
+def test_beside_a_hard_contact():
+    """A block glued to one that lies on a floor without a layer; the multipliers settle to 1e-6."""
+    floor = cd.RigidBody("floor", cd.Plane((0, 0), (0, 1)))
+    low = cd.Body("low", cd.rectangle((0, 0), (2, 1), (4, 2)), STEEL, loads=[cd.Traction("right", (-TAU, 0))])
+    high = cd.Body("high", cd.rectangle((0, 1), (2, 2), (5, 3)), STEEL,
+                   loads=[cd.Traction("left", (TAU, 0)), cd.Pressure("top", 30.0)])  # fmt: skip
+    contacts = [cd.Contact((low, "bottom"), floor, cd.HardContact()), cd.Contact((low, "top"), (high, "bottom"), GLUE)]
+    scene = cd.Scene([low, high, floor], contacts)
+    found = cd.solve(scene)
+    bond, ground = found.contact(1), found.contact(0)
+    assert bond.force_vector == pytest.approx([TAU, -60.0], rel=1e-7)
+    assert ground.force == pytest.approx(60.0, rel=1e-6)
+    assert found.residual < 1e-9
+    assert found.imbalance < 1e-9
+    again = cd.solve(scene, start=found)
+    assert again.contact(1).shear == pytest.approx(bond.shear, rel=1e-6, abs=1e-6)
+
+
+def test_text_has_no_addresses():
+    """Ranks compare layers by their texts, which a function's address would make unlike."""
+    assert repr(cd.BondedLayer(cd.LinearLayer(1.0), shear_stiffness=lambda x: x[0])).endswith("shear_stiffness=f(x))")
+
+
 def test_two_ranks(tmp_path):
     """Bodies on two ranks, solved apart and together: the numbers of one rank, to the runs' tolerance."""
     code = """

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable
 from typing import Any, Union
 
 import numpy as np
@@ -14,5 +16,12 @@ Integers = NDArray[np.integer[Any]]
 #: An operator that is kept dense where it is small. SciPy's part is named by a string: it is imported by its first use.
 Operator = Union["scipy.sparse.csr_matrix", NDArray[np.float64]]  # type: ignore[name-defined]  # noqa: F821
 
+
 #: The smallest positive number of full precision, below what may be 0 and is divided by.
 TINY = float(np.finfo(float).tiny)
+
+
+def slices(sizes: Iterable[int]) -> list[slice]:
+    """The slices of parts of the given sizes, one after another."""
+    ends = list(itertools.accumulate(sizes, initial=0))
+    return [slice(*pair) for pair in itertools.pairwise(ends)]

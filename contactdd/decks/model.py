@@ -1,7 +1,7 @@
 """What a deck says beside its mesh, card by card, as plain data; and the list of what is not understood.
 
 Later steps change the supports and loads of earlier ones, as programs do: what stands at the end counts, which for
-elastic bodies without friction is all that matters.
+elastic bodies without friction is all that matters. Loads on one node or face within a step add up.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -75,6 +76,7 @@ class Model:
     unknown: list[str] = field(default_factory=list)
     _material: str = ""
     _interaction: str = ""
+    _given: set[Any] = field(default_factory=set)
 
     def take(self, card: Card) -> None:
         """Add what a card says."""
@@ -101,6 +103,15 @@ class Model:
     def elements(self, entry: str) -> list[int]:
         """The numbers of elements that an entry stands for."""
         return [int(number) for number in of_set(self.deck, "ELSET", entry_of(entry), ())]
+
+    def load(self, values: dict[Any, Any], key: Any, value: Any) -> None:
+        """Set a load, or add to what the same step has put there already.
+
+        values: one of `forces`, `pressures` or `gravity`.
+        """
+        there = (id(values), key) in self._given
+        values[key] = values[key] + value if there else value
+        self._given.add((id(values), key))
 
     def not_understood(self, what: str) -> None:
         """Note something that is not understood, once."""
@@ -261,7 +272,7 @@ def _cload(model: Model, card: Card) -> None:
         model.forces.clear()
     for row in _rows(card):
         for node in model.nodes(row[0]):
-            model.forces[node, int(row[1])] = _number(row[2])
+            model.load(model.forces, (node, int(row[1])), _number(row[2]))
 
 
 def _dload(model: Model, card: Card) -> None:
@@ -273,10 +284,10 @@ def _dload(model: Model, card: Card) -> None:
         label = row[1].upper()
         if label == "GRAV":
             direction = np.array([_number(word) for word in row[3:6]])
-            model.gravity[row[0].upper()] = _number(row[2]) * direction
+            model.load(model.gravity, row[0].upper(), _number(row[2]) * direction)
         elif re.fullmatch(r"P\d", label):
             for element in model.elements(row[0]):
-                model.pressures[element, "S" + label[1:]] = _number(row[2])
+                model.load(model.pressures, (element, "S" + label[1:]), _number(row[2]))
         else:
             model.not_understood(f"DLOAD {label}")
 
@@ -288,7 +299,8 @@ def _dsload(model: Model, card: Card) -> None:
             model.not_understood(f"DSLOAD {name}, {label}")
             continue
         for entry, face in model.deck.surfaces[name.upper()]:
-            model.pressures |= {(element, face): _number(value) for element in model.elements(entry)}
+            for element in model.elements(entry):
+                model.load(model.pressures, (element, face), _number(value))
 
 
 def _initial(model: Model, card: Card) -> None:
@@ -308,8 +320,11 @@ def _temperature(model: Model, card: Card) -> None:
 
 
 def _step(model: Model, card: Card) -> None:
+    model._given.clear()
     if "NLGEOM" in card.parameters and card.parameters["NLGEOM"] != "NO":
         model.not_understood("STEP, NLGEOM")
+    if "PERTURBATION" in card.parameters:
+        model.not_understood("STEP, PERTURBATION")
 
 
 TAKERS: dict[str, Callable[[Model, Card], None]] = {

@@ -46,6 +46,7 @@ def read_scene(path: str | Path, *, program: str = "calculix", ignore: Sequence[
     deck, cards = files.parsed(path)
     contents = files.contents(deck, files.max_dim(deck))
     model, types = model_of(deck, cards, program), types_of(cards)
+    _refuse_unknown(model, ignore)
     bodies = [body_of(model, contents, part, types) for part in parts_of(model, contents)]
     contacts = [_contact(model, pair, bodies) for pair in model.pairs]
     _refuse_unknown(model, ignore)
@@ -64,8 +65,10 @@ def _contact(model: Model, pair: Pair, bodies: Sequence[Body]) -> Contact:
 def _side(model: Model, name: str, bodies: Sequence[Body]) -> tuple[Body, str]:
     found = [body for body in bodies if name in body.mesh.surfaces]
     if len(found) != 1:
+        reasons = {body.mesh.left_out[name] for body in bodies if name in body.mesh.left_out} if not found else set()
         raise ValueError(
             f"{model.deck.source}: the surface {name!r} of a contact belongs to {len(found)} bodies; expected one"
+            + "".join(f" ({reason})" for reason in sorted(reasons))
         )
     return found[0], name
 

@@ -8,12 +8,8 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
-from ..scheme import SCHEMES
-from ..system.ensemble import Ensemble, norm
-from .step import find_step
-
-#: The residual of the linear problem, relative to its right-hand side, that counts as solved: rounding of large scenes.
-SOLVED = 1e-12
+from ..system.ensemble import Ensemble
+from .tangent import contact_stiffnesses, tangent_response
 
 
 def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], contact_index: int) -> float:
@@ -21,19 +17,12 @@ def closing_stiffness(ensemble: Ensemble, ranks: Ranks, gaps: Sequence[Floats], 
 
     With W = w χ g'(z) and C y = u_αn + u_βn the tangent gives (A + Cᵀ W C) dy = −Cᵀ W 1 dδ, dF = 1ᵀ W (1 dδ + C dy).
     """
-    contacts = zip(ensemble.interfaces, gaps, strict=True)
-    phi = {index: interface.layer.contact_derivative(z) for index, (interface, z) in enumerate(contacts)}
+    phi = contact_stiffnesses(ensemble, gaps)
     weights = ensemble.weights * ensemble.at_all_points(phi)
     own = np.zeros(len(weights))
     own[ensemble.points[contact_index]] = 1.0
     rhs = -(ensemble.normal_approach.T @ (weights * own))
     if not np.any(rhs):
         return float(own @ weights)  # open, or nothing that could move
-    step, left, before = find_step(SCHEMES["auto"], ensemble, ranks), rhs, np.inf
-    y: Floats = np.zeros(len(rhs))
-    # A direct solve is exact at once, Krylov's method comes closer until rounding ends that.
-    while SOLVED * norm(rhs) < norm(left) < 0.5 * before:
-        before = norm(left)
-        y = y + ranks.agree(step.correct(phi, left, norm(rhs)))
-        left = rhs - ensemble.tangent(phi, y)
+    y = tangent_response(ensemble, ranks, phi, rhs)
     return float(own @ (weights * (own + ensemble.normal_approach @ y)))

@@ -10,9 +10,11 @@ import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats
-from ..base.sparse import product_map
+from ..base.sparse import entry_positions, product_map
 from ..local.factor import Factor
+from ..local.problem import Solver
 from ..local.remote import as_matrix
+from ..system.block_diagonal import BlockDiagonal
 from ..system.ensemble import Ensemble
 
 
@@ -46,18 +48,50 @@ class CoupledSystem:
         return solution
 
     def _solve_sparse(self, weights: Floats, rhs: Floats, fixed: NDArray[np.intp]) -> Floats:
-        held, approach = np.zeros(len(rhs)), self._ensemble.normal_approach
+        held = np.zeros(len(rhs))
         held[fixed] = self._ensemble.rigid.stiffness_scale
-        contacts = approach.T @ scipy.sparse.diags(weights) @ approach
-        return Factor((self._stiffness + scipy.sparse.diags(held) + contacts).tocsr()).solve(rhs)
+        return self._sparse.solver(weights, held)(rhs)
 
     @cached_property
-    def _stiffness(self) -> scipy.sparse.csr_matrix:
-        """The stiffness of all bodies."""
-        blocks = [scipy.sparse.csr_matrix(as_matrix(problem.stiffness)) for problem in self._ensemble.problems]
-        return scipy.sparse.block_diag(blocks, format="csr")
+    def _sparse(self) -> SparseSystem:
+        return SparseSystem(self._ensemble)
 
     @cached_property
     def _map(self) -> tuple[NDArray[np.intp], scipy.sparse.csr_matrix]:
         """The positions of the contacts' terms in the dense matrix, and the operator from weights times φ to them."""
         return product_map(self._ensemble.normal_approach, np.ones(len(self._ensemble.weights)))
+
+
+class SparseSystem:
+    """The sparse matrix of all bodies and contacts, whose entries stay where they are: what is found out about its
+    sparsity is kept from step to step."""
+
+    def __init__(self, ensemble: Ensemble) -> None:
+        self._approach = scipy.sparse.csr_matrix(ensemble.normal_approach)
+        self._stiffness = BlockDiagonal([as_matrix(problem.stiffness) for problem in ensemble.problems]).tocsr()
+        diagonal = scipy.sparse.eye(ensemble.size).tocsr()
+        self._matrix = (_ones(self._stiffness) + _ones(abs(self._approach).T @ abs(self._approach)) + diagonal).tocsr()
+        self._own, self._diagonal = (entry_positions(self._matrix, part) for part in (self._stiffness, diagonal))
+        self._factor: Factor | None = None
+
+    def solver(self, weights: Floats, held: Floats) -> Solver:
+        """The inverse of the matrix; weights: (points,) φ times the areas; held: (unknowns,) added to the diagonal."""
+        weighted = self._approach.copy()
+        weighted.data *= np.repeat(weights, np.diff(weighted.indptr))
+        contacts = scipy.sparse.csr_matrix(self._approach.T @ weighted)  # without the entries that vanish
+        values = np.zeros(self._matrix.nnz)
+        values[self._own] += self._stiffness.data
+        values[self._diagonal] += held
+        values[entry_positions(self._matrix, contacts)] += contacts.data
+        if self._factor is None:
+            self._matrix.data[:] = values
+            self._factor = Factor(self._matrix)
+        else:
+            self._factor.update(values)
+        return self._factor.solve
+
+
+def _ones(matrix: scipy.sparse.csr_matrix) -> scipy.sparse.csr_matrix:
+    """A one wherever the matrix has an entry."""
+    matrix = matrix.tocsr()
+    return scipy.sparse.csr_matrix((np.ones(matrix.nnz), matrix.indices, matrix.indptr), shape=matrix.shape)

@@ -19,7 +19,7 @@ from ..history import History, Record
 from ..interface.discretise import Interface
 from ..relaxation import Correction, Relaxation
 from ..scheme import Scheme
-from ..system.ensemble import Ensemble, Forces, norm
+from ..system.ensemble import Ensemble, Forces, joined, norm
 from ..system.equilibrium import BALANCED, unbounded_motion
 from ..system.state import State
 from .anderson import Anderson
@@ -49,6 +49,10 @@ RIGID = 1e8
 
 #: Where the slope of the energy is less than this part of the layers' work, it is found by divided differences.
 CANCELLED = 1e-8
+
+
+#: The coordinates that pointwise coefficients do not look at.
+NO_PLACES: Floats = np.zeros((0, 0))
 
 
 @dataclass(frozen=True)
@@ -100,7 +104,8 @@ class Run:
         self._prescribed = max(prescribed, default=0.0)
         self._furthest = ABSURD * (self._size + self._prescribed)
         stiffest = ensemble.rigid.stiffness_scale  # and the φ that is as stiff as that
-        self._stiffest = [stiffest / interface.weights for interface in ensemble.interfaces]
+        self._stiffest = ensemble.by_interface(stiffest / ensemble.weights)
+        self._sliding = any(interface.slides is not None for interface in ensemble.interfaces)
         self._first_force = 0.0
         self._at_nodes = False
         self._last_correction: Floats | None = None
@@ -270,6 +275,8 @@ class Run:
 
     def _coefficients(self) -> dict[int, Floats]:
         """φ^k at the points of every interface; NotANumberError where it is none."""
+        if self.scheme.pointwise and not self._sliding:
+            return self._coefficients_at_once()
         phi, state, reason = {}, self.state, ""
         for index, interface in enumerate(self.ensemble.interfaces):
             z, before = state.gaps[index], state.previous_gaps[index]
@@ -280,12 +287,26 @@ class Run:
                 values = interface.layer.contact_derivative(z)
             phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
             if not np.isfinite(phi[index].sum()):
-                at = np.unravel_index(int(np.argmin(np.isfinite(phi[index]))), phi[index].shape)
-                reason = reason or _no_number(interface, f"coefficient φ {values[at]:g} at the gap {z[at[-1]]:.6g}")
+                reason = reason or _no_coefficient(interface, phi[index], z)
         reason = self._ranks.any_says(reason)
         if reason:
             raise NotANumberError(reason)
         return phi
+
+    def _coefficients_at_once(self) -> dict[int, Floats]:
+        """The same where it depends on nothing but the law and the gaps at each point."""
+        ensemble, state, coefficient = self.ensemble, self.state, self.scheme.coefficient
+        gaps, before = joined(state.gaps), joined(state.previous_gaps)
+        values = ensemble.by_law(lambda law, z, last: coefficient(law, z, last, NO_PLACES), gaps, before)
+        values = np.minimum(values, RIGID * joined(self._stiffest))  # what is not a number stays so
+        phi, reason = ensemble.by_interface(values), ""
+        if not math.isfinite(float(values.sum())):
+            contacts = zip(ensemble.interfaces, phi, state.gaps, strict=True)
+            reason = next(_no_coefficient(*each) for each in contacts if not np.isfinite(each[1].sum()))
+        reason = self._ranks.any_says(reason)
+        if reason:
+            raise NotANumberError(reason)
+        return dict(enumerate(phi))
 
     def _correction(
         self, phi: dict[int, Floats], residual: Floats, scale: float, survive: bool
@@ -311,7 +332,7 @@ class Run:
     @cached_property
     def _unbounded_motion(self) -> LooseBodyError | None:
         """The motion that lowers the energy for ever, where there is no equilibrium."""
-        return unbounded_motion(self.ensemble)
+        return unbounded_motion(self.ensemble, self.snapshot.forces.tractions)
 
     def _softened(self, phi: dict[int, Floats], residual: Floats) -> dict[int, Floats]:
         """φ with a soft Robin term wherever it is softer.
@@ -370,17 +391,17 @@ class Run:
         deformation = self.ensemble.deformation(correction)
         answer = self.ensemble.elastic_forces(correction, deformation)
         elastic = self.ensemble.elastic_work(correction, deformation, answer)
-        moves = self.ensemble.normal_approach @ correction
-        works = moves * forces.tractions
+        moves, gaps = self.ensemble.normal_approach @ correction, joined(self.state.gaps)
+        works, weighted = moves * forces.tractions, self.ensemble.weights * moves
         work, cancels = float(works.sum()), descent < CANCELLED * float(np.abs(works).sum())
-        parts = zip(self.ensemble.interfaces, self.state.gaps, self.ensemble.by_interface(moves), strict=True)
-        contacts = [(i.layer, z, move, i.weights * move) for i, z, move in parts]
 
         def growth(t: float) -> float:
             """The growth of the layers' work on the correction from 0 to t."""
+            reached = gaps - t * moves
             if cancels:
-                return t * sum(float((w * m) @ layer.divided_difference(z - t * m, z)) for layer, z, m, w in contacts)
-            return work - sum(float(w @ layer.contact_stress(z - t * m)) for layer, z, m, w in contacts)
+                steepness = self.ensemble.by_law(lambda law, y, z: law.divided_difference(y, z), reached, gaps)
+                return t * float((weighted * moves) @ steepness)
+            return work - float(weighted @ self.ensemble.by_law(lambda law, z: law.contact_stress(z), reached))
 
         return minimise_along(lambda t: t * elastic + growth(t) - descent if t else -descent, elastic)
 
@@ -428,6 +449,12 @@ class Run:
         """The end of a run for this reason, unless there is a deeper one: no equilibrium."""
         way = self._unbounded_motion
         return Termination(status, reason) if way is None else Termination("no equilibrium", str(way), way)
+
+
+def _no_coefficient(interface: Interface, phi: Floats, z: Floats) -> str:
+    """The message on the first coefficient, (points,) or a row for each body, that is no finite number."""
+    at = np.unravel_index(int(np.argmin(np.isfinite(phi))), phi.shape)
+    return _no_number(interface, f"coefficient φ {phi[at]:g} at the gap {z[at[-1]]:.6g}")
 
 
 def _no_number(interface: Interface, what: str) -> str:

@@ -15,7 +15,7 @@ from ..base.checks import finite
 from ..layer import Layer, LinearLayer
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class BondedLayer(Layer):
     """A layer that sticks to both surfaces: σ_n = g(z) where it is compressed, z < 0, and where it is stretched, z > 0.
 
@@ -59,6 +59,10 @@ class BondedLayer(Layer):
 
         if not callable(self.shear_stiffness) and finite("shear_stiffness", self.shear_stiffness) < 0.0:
             raise ValueError(f"shear_stiffness = {self.shear_stiffness!r}: expected a number >= 0")
+
+    def __repr__(self) -> str:
+        shear = "f(x)" if callable(self.shear_stiffness) else repr(self.shear_stiffness)
+        return f"BondedLayer({self.layer!r}, tension={self.tension!r}, shear_stiffness={shear})"
 
     @classmethod
     def adhesive(cls, E: float, nu: float, thickness: float) -> BondedLayer:

@@ -21,8 +21,9 @@ from ..interface.discretise import Interface, InterfaceSide
 from .assembled import AssembledProblem
 from .condensed import CondensedProblem
 from .copies import originals
+from .cost import Choice, cheapest_solver
 from .discrete import DiscreteBody
-from .memory import cheapest_solver, refuse_if_too_large
+from .memory import refuse_if_too_large
 from .meshless import MeshlessProblem
 from .multigrid import MultigridProblem
 from .problem import LocalProblem
@@ -86,21 +87,27 @@ class LocalSolvers:
 
     def __init__(self, bodies: Sequence[Any], interfaces: Sequence[Interface], ranks: Ranks) -> None:
         self._bodies, self._ranks = bodies, ranks
-        self._sides = [sides_of(index, interfaces) for index in range(len(bodies))]
+        self._sides = sides_of_bodies(len(bodies), interfaces)
         self._discrete: dict[int, DiscreteBody] = {}
         self._problems: dict[tuple[str, int], LocalProblem] = {}
+        self._choices: dict[int, Choice] = {}
         self._originals = originals(bodies) if ranks.alone else [None] * len(bodies)
 
     def problems(self, local_solver: str) -> list[LocalProblem]:
         """Every body's local problem, in order.
 
         Args:
-            local_solver: A registered name, or "auto": condensed unless a body is too large for it.
+            local_solver: A registered name, or "auto": the one that is estimated to cost less.
         """
         kinds = self._ranks.agree([self._kind(index, local_solver) for index in range(len(self._bodies))])
         if self._ranks.alone:
             return [self._problem(kind, index) for index, kind in enumerate(kinds)]
         return self._dealt_out(kinds)
+
+    @property
+    def notes(self) -> list[str]:
+        """What was estimated for large bodies whose local solver was chosen here, in words."""
+        return [choice.note for choice in self._choices.values() if choice.note]
 
     def refreshed(self) -> LocalSolvers:
         """The same problems for the present loads and prescribed displacements; all matrices are shared."""
@@ -126,7 +133,14 @@ class LocalSolvers:
         name = body.local_solver or local_solver
         if name != "auto":
             return name
-        return cheapest_solver(body if found is None else self._bodies[found[0]])  # of the same size as its original
+        return self._choice(index if found is None else found[0]).solver  # a copy is of the same size as its original
+
+    def _choice(self, index: int) -> Choice:
+        """The local solver that suits a body and its copies."""
+        if index not in self._choices:
+            copies = 1 + sum(found is not None and found[0] == index for found in self._originals)
+            self._choices[index] = cheapest_solver(self._bodies[index], self._sides[index], copies)
+        return self._choices[index]
 
     def _problem(self, kind: str, index: int) -> LocalProblem:
         """One body's local problem, made when first asked for."""
@@ -192,6 +206,10 @@ def _touched(sides: Sequence[tuple[int, InterfaceSide]]) -> set[str]:
     return {side.surface.surface for _, side in sides}
 
 
-def sides_of(index: int, interfaces: Sequence[Interface]) -> list[tuple[int, InterfaceSide]]:
-    """The sides of interfaces at which a body lies, each with its interface's index."""
-    return [(i, side) for i, interface in enumerate(interfaces) for side in interface.sides if side.body == index]
+def sides_of_bodies(count: int, interfaces: Sequence[Interface]) -> list[list[tuple[int, InterfaceSide]]]:
+    """The sides of interfaces at which each of the bodies lies, each side with its interface's index."""
+    found: list[list[tuple[int, InterfaceSide]]] = [[] for _ in range(count)]
+    for index, interface in enumerate(interfaces):
+        for side in interface.sides:
+            found[side.body].append((index, side))
+    return found

@@ -13,7 +13,7 @@ from mpi4py import MPI
 
 from ..base.arrays import Floats, Indices
 from ..interface.discretise import InterfaceSide
-from .condensation import Condensation, ElementCondensation, MirroredCondensation, SparseCondensation
+from .condensation import Condensation, ElementCondensation, MirroredCondensation, SmallCondensation, SparseCondensation
 from .copies import loaded_alike
 from .dense import DenseSystem
 from .discrete import DiscreteBody
@@ -182,7 +182,10 @@ def condense(dofs: DiscreteBody, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) 
     stiffness, space = dofs.stiffness, dofs.space
     if comm.size == 1 and space.free is not None and not stiffness.has_springs and stiffness.cells is not None:
         return ElementCondensation(stiffness.cells, space, kept)
-    return SparseCondensation(stiffness.reduced, kept, comm)
+    matrix = stiffness.reduced
+    if comm.size == 1 and 0 < len(kept) < matrix.shape[0] <= SmallCondensation.LARGEST:
+        return SmallCondensation(matrix, kept)
+    return SparseCondensation(matrix, kept, comm)
 
 
 def condensed_start(

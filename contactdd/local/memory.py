@@ -1,4 +1,4 @@
-"""The memory that a factorisation will take, estimated in advance, and the local solver that follows from it."""
+"""The memory that a factorisation will take, estimated in advance."""
 
 from __future__ import annotations
 
@@ -10,21 +10,8 @@ if TYPE_CHECKING:
     from ..body import Body
 
 
-#: Unknowns of a solid body beyond which multigrid is cheaper than the fill-in of a factorisation.
-LARGEST_FACTORED_SOLID = 60_000
-
-
 #: Unknowns of a body up to which memory need not be estimated.
 ALWAYS_FACTORED = 20_000
-
-
-def cheapest_solver(body: Body) -> str:
-    """The local solver for a body: "condensed" where factoring it fits and pays, else "multigrid"."""
-    if _is_small(body):
-        return "condensed"
-    if body.mesh.dim == 3 and body.dofs > LARGEST_FACTORED_SOLID:
-        return "multigrid"
-    return "condensed" if factor_bytes(body.mesh.dim, body.dofs) < 0.5 * available_bytes() else "multigrid"
 
 
 def refuse_if_too_large(body: Body) -> None:

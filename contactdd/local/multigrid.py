@@ -34,6 +34,8 @@ class MultigridProblem:
         self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
         self.rigid = self.dofs.rigid_motions(self.traces)
         self._robin = _RobinSystem(self.dofs, matrix, self.traces, self.rigid)
+        if isinstance(task.original, MultigridProblem):
+            self._robin.share_with(task.original._robin, self.dofs.mirrored(task.signs))
 
     def refreshed(self, dofs: Any) -> MultigridProblem:
         other = copy(self)
@@ -107,8 +109,9 @@ class _RobinSystem:
     matrix: scipy.sparse.csr_matrix
     traces: Sequence[ContactTrace]
     rigid: RigidMotions
-    _made_for: float | None = field(default=None, init=False)
-    _multigrid: Multigrid | None = field(default=None, init=False)
+    _own: _Made | None = field(default=None, init=False)
+    _signs: Floats | float = field(default=1.0, init=False)
+    _sharing: list[_RobinSystem] = field(default_factory=list, init=False)
 
     #: By how much the total Robin stiffness may change before the multigrid is set up again.
     DRIFT = 4.0
@@ -137,19 +140,49 @@ class _RobinSystem:
             raise np.linalg.LinAlgError(f"body {self.dofs.body.name!r}: the multigrid iterations do not converge")
         return solution
 
-    def multigrid(self, phi: Mapping[int, Floats]) -> Multigrid:
-        """The multigrid for A + Φ, or one that is near enough."""
+    def share_with(self, original: _RobinSystem, signs: Floats) -> None:
+        """Use what is set up for a body that this one copies, and the other way round; signs: between the unknowns."""
+        self._signs = signs * original._signs
+        self._sharing = original._sharing = original._sharing or [original]
+        self._sharing.append(self)
+
+    def multigrid(self, phi: Mapping[int, Floats]) -> Multigrid | _Turned:
+        """The multigrid for A + Φ, or one that is near enough: this body's own, or that of a copy of it."""
         total = sum(float(trace.surface_stiffness(phi).sum()) for trace in self.traces)
-        near = self._made_for is not None and self._made_for / self.DRIFT <= total <= self._made_for * self.DRIFT
-        if self._multigrid is None or not near:
-            matrix, held = self.matrix, np.zeros(self.matrix.shape[0])
-            for trace in self.traces:
-                stiffness = scipy.sparse.diags(trace.surface_stiffness(phi))
-                matrix = matrix + trace.robin_trace.T @ stiffness @ trace.robin_trace
-            held[free_fixing_dofs(self.rigid, phi)] = self.rigid.stiffness_scale
-            matrix = (matrix + scipy.sparse.diags(held)).tocsr()
-            self._made_for, self._multigrid = total, Multigrid(self.dofs, matrix, self.rigid.stiffness_scale)
-        return self._multigrid
+        for other in (self, *self._sharing):
+            made = other._own
+            if made is not None and made.total / self.DRIFT <= total <= made.total * self.DRIFT:
+                return made.multigrid if other is self else _Turned(made.multigrid, self._signs * other._signs)
+        self._own = _Made(total, self._set_up(phi))
+        return self._own.multigrid
+
+    def _set_up(self, phi: Mapping[int, Floats]) -> Multigrid:
+        """The multigrid for A + Φ, with any motion fixed that is free."""
+        matrix, held = self.matrix, np.zeros(self.matrix.shape[0])
+        for trace in self.traces:
+            stiffness = scipy.sparse.diags(trace.surface_stiffness(phi))
+            matrix = matrix + trace.robin_trace.T @ stiffness @ trace.robin_trace
+        held[free_fixing_dofs(self.rigid, phi)] = self.rigid.stiffness_scale
+        return Multigrid(self.dofs, (matrix + scipy.sparse.diags(held)).tocsr(), self.rigid.stiffness_scale)
+
+
+@dataclass(frozen=True)
+class _Made:
+    """A multigrid and the total Robin stiffness for which it was set up."""
+
+    total: float
+    multigrid: Multigrid
+
+
+@dataclass(frozen=True)
+class _Turned:
+    """The cycle of a copy of a body, from that of the body; signs: ±1 between their unknowns."""
+
+    multigrid: Multigrid
+    signs: Floats | float
+
+    def cycle(self, forces: Floats) -> Floats:
+        return self.signs * self.multigrid.cycle(self.signs * forces)
 
 
 class Multigrid:

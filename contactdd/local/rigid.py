@@ -81,15 +81,19 @@ class RigidMotions:
         elastic = self.modes.T @ self.springs
         return 0.5 * (elastic + elastic.T)
 
+    @property
+    def count(self) -> int:
+        """The number of motions."""
+        return self.modes.shape[1]
+
     @cached_property
     def floating(self) -> bool:
         """Whether there are allowed motions and no spring resists any of them."""
-        return self.modes.shape[1] > 0 and not np.any(self.springs)
+        return self.count > 0 and not np.any(self.springs)
 
     def free(self, phi: Mapping[int, Floats]) -> Floats:
         """The motions free under φ, as columns of coefficients (motions, free)."""
-        count = self.modes.shape[1]
-        if count == 0:
+        if self.count == 0:
             return np.zeros((0, 0))
         roots = [contact.root(phi) for contact in self.contacts]
         resistance = sum((root.T @ root for root in roots), self._elastic_with_kernel_fixed)
@@ -100,10 +104,55 @@ class RigidMotions:
             return self.unresisted
         # Use the square roots: forming RᵀR would mix resisted motions into the free ones at the rounding of the
         # stiffest layer.
-        springs, directions = np.linalg.eigh(self.elastic)
-        roots.append(np.sqrt(np.maximum(springs, 0.0))[:, None] * directions.T)
+        roots.append(self.spring_root)
         _, singular, motions = np.linalg.svd(np.linalg.qr(np.vstack(roots), mode="r"))
         return motions[singular**2 <= limit].T
+
+    @property
+    def spring_root(self) -> Floats:
+        """R of the stiffness RᵀR of springs, (motions, motions)."""
+        springs, directions = np.linalg.eigh(self.elastic)
+        return np.sqrt(np.maximum(springs, 0.0))[:, None] * directions.T
+
+    @property
+    def unsprung(self) -> NDArray[np.bool_]:
+        """Which motions no spring answers, (motions,)."""
+        return ~np.any(self.springs, axis=0)
+
+    @property
+    def unbounded(self) -> Floats:
+        """The motions that no spring resists, as columns of coefficients (motions, unbounded)."""
+        return self.unresisted_by_springs(float(np.abs(self.elastic).max(initial=0.0)))
+
+    def unresisted_by_springs(self, largest: float) -> Floats:
+        """The same; largest: the stiffness in whose rounding a resistance is lost."""
+        if not np.any(self.elastic):
+            return np.eye(self.count)
+        springs, directions = np.linalg.eigh(self.elastic)
+        return directions[:, springs <= 1e-12 * largest]
+
+    @property
+    def rows(self) -> Floats:
+        """√weight u_n of each motion at all points, (points, motions)."""
+        return np.vstack([contact.rows for contact in self.contacts])
+
+    def displacements(self, coefficients: Floats) -> Floats:
+        """The unknowns (unknowns,) of motions given by coefficients."""
+        return self.modes @ coefficients
+
+    def free_displacements(self, phi: Mapping[int, Floats]) -> Floats:
+        """The motions free under φ as unknowns, (unknowns, free)."""
+        return self.modes @ self.free(phi)
+
+    def closest(self, stiffness: Floats, wanted: Floats) -> Floats:
+        """The coefficients (motions,) of unsprung motions with about the wanted √weight u_n at all points.
+
+        Those of least squares, with weights `stiffness` (points,), and of these the smallest.
+        """
+        coefficients, roots = np.zeros(self.count), np.sqrt(stiffness)
+        rows = roots[:, None] * self.rows[:, self.unsprung]
+        coefficients[self.unsprung] = np.linalg.lstsq(rows, roots * wanted, rcond=1e-10)[0]
+        return coefficients
 
     @cached_property
     def unresisted(self) -> Floats:
@@ -146,9 +195,13 @@ class RigidMotions:
 
     def loose(self, motion: Floats, advice: str = "") -> LooseBodyError:
         """The error that names the body which a motion (coefficients) moves most; advice: the end of its message."""
-        pairs = zip(self.owners, self.by_owner(motion), strict=True)
-        owner, part = max(pairs, key=lambda pair: float(np.linalg.norm(pair[1])))
-        return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part), advice)
+        return loose_body(self.owners, self.by_owner(motion), advice)
+
+
+def loose_body(owners: Sequence[Owner], parts: Sequence[Floats], advice: str) -> LooseBodyError:
+    """The error that names the body which a motion, its coefficients given by body, moves most."""
+    owner, part = max(zip(owners, parts, strict=True), key=lambda pair: float(np.linalg.norm(pair[1])))
+    return LooseBodyError(owner.body, owner.kinematics.describe(owner.coefficients @ part), advice)
 
 
 def _smallest(matrix: Floats) -> float:

@@ -13,12 +13,14 @@ from .columns import (
     rigid_parabola_on_layer,
     uniform_compression,
 )
+from .dimple import Dimple, dimple
 from .groove import Groove, groove, surface_compliance
 from .half_plane import HalfPlaneGroove, groove_half_planes
 from .hertz import HertzCylinder, HertzSphere, hertz_cylinder, hertz_sphere
 
 __all__ = [
     "ColumnStack",
+    "Dimple",
     "Groove",
     "HalfPlaneGroove",
     "HertzCylinder",
@@ -26,6 +28,7 @@ __all__ = [
     "ParabolaOnLayer",
     "UniformCompression",
     "column_stack",
+    "dimple",
     "groove",
     "groove_half_planes",
     "hertz_cylinder",

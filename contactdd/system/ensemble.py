@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,24 +13,15 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..base.arrays import Floats, Operator
+from ..base.arrays import Floats, Operator, slices
 from ..base.sparse import along_diagonal, stacked
 from ..interface.discretise import Interface
+from ..layer import Layer
 from ..local.problem import ContactTrace, LocalProblem
-from ..local.rigid import Resistance, RigidMotions
+from ..local.rigid import RigidMotions
+from .block_diagonal import BlockDiagonal
+from .joint_motions import ManyMotions, joint_motions
 from .state import State
-
-
-def joint_motions(ensemble: Ensemble) -> RigidMotions:
-    """The free rigid motions of all bodies together; a contact resists those that change its gap."""
-    motions = [problem.rigid for problem in ensemble.problems]
-    modes = along_diagonal([each.modes for each in motions])
-    springs = along_diagonal([each.springs for each in motions])
-    approach = np.sqrt(ensemble.weights)[:, None] * (ensemble.normal_approach @ modes)
-    contacts = [Resistance(index, rows) for index, rows in enumerate(ensemble.by_interface(approach))]
-    owners = [owner for each in motions for owner in each.owners]
-    return RigidMotions(modes, springs, contacts, owners, max(each.stiffness_scale for each in motions))
-
 
 #: Unknowns up to which matrices of all bodies are dense: one product, or one Cholesky factorisation, beats many of the
 #: bodies' blocks.
@@ -77,8 +67,8 @@ class Ensemble:
 
     def __init__(self, problems: Sequence[LocalProblem], interfaces: Sequence[Interface]) -> None:
         self.problems, self.interfaces = problems, interfaces
-        self.parts = _slices(problem.size for problem in problems)
-        self.points = _slices(len(interface.weights) for interface in interfaces)
+        self.parts = slices(problem.size for problem in problems)
+        self.points = slices(len(interface.weights) for interface in interfaces)
         self.size = self.parts[-1].stop
         self.weights = np.concatenate([interface.weights for interface in interfaces])
         self.load = np.concatenate([problem.load for problem in problems])
@@ -97,9 +87,10 @@ class Ensemble:
         self._constant = sum(problem.constant for problem in problems)
 
     @cached_property
-    def rigid(self) -> RigidMotions:
+    def rigid(self) -> RigidMotions | ManyMotions:
         """The free rigid motions of all bodies together."""
-        return joint_motions(self)
+        modes = BlockDiagonal([problem.rigid.modes for problem in self.problems])
+        return joint_motions(self.problems, self.by_interface(self.weights), modes)
 
     def split(self, y: Floats) -> list[Floats]:
         """Every body's part of y."""
@@ -150,8 +141,7 @@ class Ensemble:
 
     def tractions(self, state: State) -> Floats:
         """The contact stresses g⁻(z) times the areas, at all points."""
-        contacts = zip(self.interfaces, state.gaps, strict=True)
-        return self.weights * np.concatenate([i.layer.contact_stress(z) for i, z in contacts])
+        return self.weights * self.by_law(lambda law, z: law.contact_stress(z), joined(state.gaps))
 
     def energy(self, state: State, elastic: Floats | None = None) -> float:
         """F₁ = ½ A(u, u) − L(u) + J(u), eq. (13); elastic: the elastic forces, where they are known."""
@@ -162,8 +152,23 @@ class Ensemble:
 
     def layer_energy(self, state: State) -> float:
         """J = Σ ∫ ∫₀^z g⁻."""
-        contacts = zip(self.interfaces, state.gaps, strict=True)
-        return sum(float(i.weights @ i.layer.energy(z)) for i, z in contacts)
+        return float(self.weights @ self.by_law(lambda law, z: law.energy(z), joined(state.gaps)))
+
+    def by_law(self, function: Callable[..., Floats], *values: Floats) -> Floats:
+        """function(law, values) at all points, of values (points,) there; it has to treat the points alike."""
+        if len(self.laws) == 1:
+            return function(self.laws[0][0], *values)
+        return np.concatenate([function(law, *(each[part] for each in values)) for law, part in self.laws])
+
+    @cached_property
+    def laws(self) -> list[tuple[Layer, slice]]:
+        """The layers' laws, and the points at which each holds: contacts of the same law in a row are taken as one."""
+        found: list[tuple[Layer, slice]] = []
+        for interface, part in zip(self.interfaces, self.points, strict=True):
+            if found and found[-1][0] is interface.layer:
+                part = slice(found.pop()[1].start, part.stop)
+            found.append((interface.layer, part))
+        return found
 
     def tangent(self, phi: Mapping[int, Floats], y: Floats) -> Floats:
         """A y + Σ ∫ φ [y_αn + y_βn][v_αn + v_βn], the coupled system of (17), (26), (27) times y.
@@ -176,7 +181,7 @@ class Ensemble:
 
     def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
         """A coefficient given by interface, at all points."""
-        return np.concatenate([phi[index] for index in range(len(self.interfaces))])
+        return joined([phi[index] for index in range(len(self.interfaces))])
 
     def change(self, step: Floats, y: Floats, at_nodes: bool) -> float:
         """The largest over the bodies of ‖u_n of the step‖₂ / ‖u_n of y‖₂, at the contacts' points or nodes."""
@@ -242,23 +247,9 @@ class Ensemble:
         return gaps
 
 
-@dataclass(frozen=True)
-class BlockDiagonal:
-    """Matrices along a diagonal, each of which is applied to its own part of a vector (columns,) or (columns, n)."""
-
-    blocks: Sequence[Operator]
-
-    @property
-    def T(self) -> BlockDiagonal:
-        return BlockDiagonal([block.T for block in self.blocks])
-
-    @cached_property
-    def parts(self) -> list[slice]:
-        """The slice of a vector that each block is applied to."""
-        return _slices(block.shape[1] for block in self.blocks)
-
-    def __matmul__(self, y: Floats) -> Floats:
-        return np.concatenate([block @ y[part] for block, part in zip(self.blocks, self.parts, strict=True)])
+def joined(parts: Sequence[Floats]) -> Floats:
+    """Parts one after another."""
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def norm(vector: Floats) -> float:
@@ -266,12 +257,6 @@ def norm(vector: Floats) -> float:
     return math.sqrt(vector @ vector)
 
 
-def _slices(sizes: Iterable[int]) -> list[slice]:
-    """The slices of parts of the given sizes, one after another."""
-    ends = list(itertools.accumulate(sizes, initial=0))
-    return [slice(*pair) for pair in itertools.pairwise(ends)]
-
-
 def _starts(parts: Sequence[Floats]) -> NDArray[np.intp]:
     """The index at which each of the parts begins."""
-    return np.array([part.start for part in _slices(map(len, parts))])
+    return np.array([part.start for part in slices(map(len, parts))])

@@ -77,18 +77,15 @@ def rigidly_closed(ensemble: Ensemble) -> State:
     problems for the rigid motions; those that springs resist are left out.
     """
     motions, compressions = ensemble.rigid, _compressions(ensemble)
-    floating = ~np.any(motions.springs, axis=0)
     prescribed = any(problem.dofs.prescribed for problem in ensemble.problems)
-    if not np.any(floating) or not (prescribed or np.any(compressions)):
+    if not np.any(motions.unsprung) or not (prescribed or np.any(compressions)):
         return undeformed(ensemble)
     contacts = list(zip(ensemble.interfaces, ensemble.gaps(np.zeros(ensemble.size)), compressions, strict=True))
     wanted = np.concatenate([np.sqrt(i.weights) * (_least(i, z) - w) for i, z, w in contacts])
-    approach = np.vstack([contact.rows for contact in motions.contacts])[:, floating]
+    points = [len(z) for _, z, _ in contacts]
 
     def moved(stiffnesses: Floats) -> State:
-        roots = np.sqrt(np.repeat(stiffnesses, [len(z) for _, z, _ in contacts]))
-        coefficients = np.linalg.lstsq(roots[:, None] * approach, roots * wanted, rcond=1e-10)[0]
-        return _state(ensemble, [motions.modes[:, floating] @ coefficients])
+        return _state(ensemble, [motions.displacements(motions.closest(np.repeat(stiffnesses, points), wanted))])
 
     state = moved(np.ones(len(contacts)))
     for _ in range(SECANTS if prescribed else 0):

@@ -6,8 +6,6 @@ Every measurement is a process of its own, on one thread. The exponents are fitt
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 import sys
 import time
 from collections.abc import Callable
@@ -18,6 +16,7 @@ from typing import Any
 import numpy as np
 import ranks
 from matplotlib.figure import Figure
+from own_process import in_own_process
 from peak_memory import forget_peak, peak_mb
 from results import Report
 
@@ -115,17 +114,7 @@ def case(kind: str, size: int, method: str) -> dict[str, Any]:
 
 def measured(kind: str, size: int, method: str) -> dict[str, Any]:
     """One measurement in a process of its own."""
-    here = Path(__file__)
-    paths = [str(here.parents[2]), os.environ.get("PYTHONPATH", "")]
-    threads = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-    done = subprocess.run(
-        [sys.executable, str(here), "--case", kind, str(size), method],
-        env={**os.environ, **threads, "PYTHONPATH": os.pathsep.join(filter(None, paths))},
-        check=True,
-        stdout=subprocess.PIPE,
-        text=True,
-    )
-    return json.loads(done.stdout.splitlines()[-1])
+    return in_own_process(__file__, kind, size, method)
 
 
 def exponent(rows: list[dict[str, Any]], against: str, what: str) -> float:

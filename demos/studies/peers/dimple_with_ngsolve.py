@@ -1,0 +1,252 @@
+"""The dimple with NGSolve: Newton's method on both blocks, cells condensed, one preconditioner for all steps.
+
+One mesh, in which both blocks have displacements of their own that meet along the contact. The preconditioner holds
+each block by a Robin term of its own; ways: "sparsecholesky", NGSolve's own factor; "cholmod", that of SuiteSparse with
+METIS; "pyamg", smoothed aggregation with the rigid motions.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import ngsolve as ng
+import numpy as np
+import scipy.sparse
+from dimple import LAYER, LOAD, STEEL, TOLERANCE, Cells
+from netgen.meshing import Mesh
+from ngsolve import ds, dx
+
+ng.SetNumThreads(1)
+
+E, NU = STEEL.E, STEEL.nu
+LAME, SHEAR = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
+B, A = float(LAYER.B), float(LAYER.a)
+START = B * LOAD**A
+#: Reduction of the square of the preconditioned residual by conjugate gradients.
+FORCING = 1e-6
+#: dolfinx's six tetrahedra of a cube, by the corners x + 2 y + 4 z.
+TETRAHEDRA = ((0, 1, 3, 7), (0, 1, 7, 5), (0, 5, 7, 4), (0, 3, 2, 7), (0, 6, 4, 7), (0, 2, 6, 7))
+
+
+def solved(cells: Cells, way: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, int, int]:
+    """Points (n, 2) of the contact, their areas and pressures; the unknowns and Newton steps."""
+    mesh = _mesh(cells)
+    names = "lower", "upper"
+    spaces = [
+        ng.VectorH1(mesh, order=cells.degree, definedon=name, dirichletx=f"{name}_x", dirichlety=f"{name}_y")
+        for name in names
+    ]
+    space = ng.Compress(spaces[0], spaces[0].FreeDofs()) * ng.Compress(spaces[1], spaces[1].FreeDofs())
+    (u1, u2), (v1, v2) = space.TnT()
+    closing, v_closing, contact = u1[2] - u2[2], v1[2] - v2[2], ds("contact", bonus_intorder=2)
+    load = ng.LinearForm(LOAD * v1[2] * ds("bottom") - LOAD * v2[2] * ds("top")).Assemble()
+    state = ng.GridFunction(space)
+    state.components[1].Set(ng.CF((0, 0, -START)))
+    pressure, slope = _law(_gap() - state.components[0][2] + state.components[1][2])
+    typical = START ** (1 / A - 1) / (A * B ** (1 / A))
+    apart = u1[2] * v1[2] + u2[2] * v2[2]
+    now_apart = state.components[0][2] * v1[2] + state.components[1][2] * v2[2]
+    elastic = _stored(u1, v1) * dx("lower") + _stored(u2, v2) * dx("upper")
+    fixed = ng.BilinearForm(elastic + typical * apart * contact, symmetric=True, condense=True).Assemble()
+    free = ng.BitArray(space.FreeDofs(True))
+    projector = ng.Projector(free, True)
+    inverse = _inverse(fixed.mat, free, way, spaces)
+    force = ng.LinearForm((pressure * v_closing - typical * now_apart) * contact)
+    change_form = (slope * closing * v_closing - typical * apart) * contact
+    change = ng.BilinearForm(change_form, symmetric=True, check_unused=False)
+    given = load.vec.CreateVector()
+    given.data = load.vec + fixed.harmonic_extension_trans * load.vec
+
+    def residual() -> Any:
+        force.Assemble()
+        found = state.vec.CreateVector()
+        found.data = given - force.vec - fixed.mat * state.vec
+        projector.Project(found)
+        return found
+
+    def step(rhs: Any) -> Any:
+        change.Assemble()
+        matrix = fixed.mat + change.mat
+        x, rest, direction, better, image = (state.vec.CreateVector() for _ in range(5))
+        x[:] = 0
+        rest.data = rhs
+        better.data = inverse * rest
+        projector.Project(better)
+        direction.data = better
+        square = first = ng.InnerProduct(rest, better)
+        for _ in range(300):
+            image.data = matrix * direction
+            length = square / ng.InnerProduct(direction, image)
+            x.data += length * direction
+            rest.data -= length * image
+            projector.Project(rest)
+            better.data = inverse * rest
+            projector.Project(better)
+            square, before = ng.InnerProduct(rest, better), square
+            if square <= FORCING * first:
+                break
+            direction.data = better + (square / before) * direction
+        return x
+
+    steps, scale, now = 0, ng.Norm(load.vec), residual()
+    while ng.Norm(now) > TOLERANCE * scale:
+        if (steps := steps + 1) > 40:
+            raise RuntimeError("Newton's method does not converge")
+        now = _advanced(state, step(now), now, residual)
+    x, weights, closed = _at(mesh, cells, state)
+    gap = 2.5e-4 * np.maximum(1 - (x**2).sum(axis=1) / 0.25, 0) ** 1.5
+    return x, weights, (np.maximum(closed - gap, 0) / B) ** (1 / A), int(sum(space.FreeDofs())), steps
+
+
+def _advanced(state: Any, correction: Any, before: Any, residual: Any) -> Any:
+    """The residual after a full step, or after one to where the energy's slope about vanishes."""
+    downhill, t, low, high = ng.InnerProduct(before, correction), 1.0, 0.0, 1.0
+    state.vec.data += correction
+    for _ in range(10):
+        now = residual()
+        slope = ng.InnerProduct(now, correction)
+        if abs(slope) <= 0.5 * downhill:
+            break
+        low, high = (t, high) if slope > 0 else (low, t)
+        if low == high:
+            break
+        state.vec.data += (0.5 * (low + high) - t) * correction
+        t = 0.5 * (low + high)
+    return now
+
+
+def _gap() -> Any:
+    room = 1 - (ng.x**2 + ng.y**2) / 0.25
+    return 2.5e-4 * ng.IfPos(room, room, 0) ** 1.5
+
+
+def _law(z: Any) -> tuple[Any, Any]:
+    """−g⁻(z) and χ g'(z)."""
+    compression = ng.IfPos(-z, -z, 1)
+    pressure = (compression / B) ** (1 / A)
+    return ng.IfPos(-z, pressure, 0), ng.IfPos(-z, pressure / (A * compression), 0)
+
+
+def _stored(u: Any, v: Any) -> Any:
+    strain, virtual = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
+    return 2 * SHEAR * ng.InnerProduct(strain, virtual) + LAME * ng.Trace(strain) * ng.Trace(virtual)
+
+
+def _inverse(matrix: Any, free: Any, way: str, spaces: list[Any]) -> Any:
+    """The inverse of the matrix in the free unknowns, or what approximates it."""
+    if way == "sparsecholesky":
+        return matrix.Inverse(free, way)
+    kept = np.flatnonzero(np.array(list(free)))
+    rows, columns, values = map(np.asarray, matrix.COO())
+    lower = scipy.sparse.csr_matrix((values, (rows, columns)), shape=(matrix.height,) * 2)[kept][:, kept]
+    lower = scipy.sparse.tril(lower).tocsr()
+    if way == "cholmod":
+        from sksparse.cholmod import cho_factor
+
+        solve = cho_factor(scipy.sparse.csc_array(lower), lower=True, order="metis", supernodal_mode="supernodal").solve
+    else:
+        import pyamg
+
+        full = (lower + scipy.sparse.tril(lower, -1).T).tocsr()
+        smoother = ("gauss_seidel", {"sweep": "symmetric"})
+        made = pyamg.smoothed_aggregation_solver(
+            full, B=_rigid(spaces)[kept], presmoother=smoother, postsmoother=smoother, max_coarse=300
+        )
+        solve = made.aspreconditioner(cycle="V").matvec
+    return _Outer(matrix.height, kept, solve)
+
+
+class _Outer(ng.BaseMatrix):
+    """A solver of SciPy's world on the kept unknowns."""
+
+    def __init__(self, size: int, kept: np.ndarray, solve: Any) -> None:
+        super().__init__()
+        self._size, self._kept, self._solve = size, kept, solve
+
+    def Mult(self, x: Any, y: Any) -> None:
+        y[:] = 0
+        y.FV().NumPy()[self._kept] = self._solve(x.FV().NumPy()[self._kept])
+
+    def Height(self) -> int:
+        return self._size
+
+    def Width(self) -> int:
+        return self._size
+
+    def IsComplex(self) -> bool:
+        return False
+
+    def CreateRowVector(self) -> Any:
+        return ng.BaseVector(self._size)
+
+    def CreateColVector(self) -> Any:
+        return ng.BaseVector(self._size)
+
+
+def _rigid(spaces: list[Any]) -> np.ndarray:
+    """The rigid motions in the unknowns of both blocks, (unknowns, 6)."""
+    x, y, z = ng.x, ng.y, ng.z
+    columns = []
+    for motion in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, -z, y), (z, 0, -x), (-y, x, 0)):
+        parts = []
+        for space in spaces:
+            function = ng.GridFunction(space)
+            function.Set(ng.CF(motion))
+            parts.append(function.vec.FV().NumPy()[np.flatnonzero(np.array(list(space.FreeDofs())))])
+        columns.append(np.concatenate(parts))
+    return np.array(columns).T
+
+
+def _at(mesh: Any, cells: Cells, state: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Gauss points of the contact (n, 2), their areas, and how much the faces approach each other there."""
+    rule = ng.IntegrationRule(ng.QUAD if cells.kind == "Q" else ng.TRIG, 2 * cells.degree + 8)
+    points = mesh.MapToAllElements(rule, mesh.Boundaries("contact"))
+    x = np.column_stack([np.asarray(each(points)).ravel() for each in (ng.x, ng.y)])
+    closed = np.asarray((state.components[0][2] - state.components[1][2])(points)).ravel()
+    return x, np.tile(np.asarray(rule.weights), len(x) // len(rule)), closed
+
+
+def _mesh(cells: Cells) -> Any:
+    """Both blocks in one mesh, cut as dolfinx cuts a box."""
+    x, heights = cells.ends
+    z = np.r_[-heights[::-1], heights[1:]]
+    nx, nz = len(x) - 1, len(z) - 1
+    mesh = Mesh(dim=3)
+    places = np.stack(np.meshgrid(z, x, x, indexing="ij")[::-1], -1).reshape(-1, 3)  # x runs fastest
+    mesh.AddPoints(places)
+    number = np.arange((nz + 1) * (nx + 1) ** 2).reshape(nz + 1, nx + 1, nx + 1)
+    corners = np.stack(
+        [number[k : nz + k, j : nx + j, i : nx + i] for k in (0, 1) for j in (0, 1) for i in (0, 1)], -1
+    ).reshape(-1, 8)
+    half = len(corners) // 2
+    for name, part in (("lower", corners[:half]), ("upper", corners[half:])):
+        if cells.kind == "Q":
+            made = part[:, [0, 1, 3, 2, 4, 5, 7, 6]]
+        else:
+            made = _oriented(np.concatenate([part[:, list(four)] for four in TETRAHEDRA]), places)
+        _add(mesh, 3, name, made)
+    middle = nz // 2
+    faces = {"bottom": [number[0]], "top": [number[-1]], "contact": [number[middle]]}
+    for name, own in (("lower", number[: middle + 1]), ("upper", number[middle:])):
+        faces[f"{name}_x"] = [own[:, :, 0], own[:, :, -1]]
+        faces[f"{name}_y"] = [own[:, 0, :], own[:, -1, :]]
+    for name, grids in faces.items():
+        quads = np.concatenate(
+            [np.stack([g[:-1, :-1], g[:-1, 1:], g[1:, :-1], g[1:, 1:]], -1).reshape(-1, 4) for g in grids]
+        )
+        triangles = np.concatenate([quads[:, [0, 1, 3]], quads[:, [0, 3, 2]]])
+        _add(mesh, 2, name, quads[:, [0, 1, 3, 2]] if cells.kind == "Q" else triangles)
+    return ng.Mesh(mesh)
+
+
+def _oriented(tetrahedra: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """The same tetrahedra, all turned as Netgen wants them."""
+    p = places[tetrahedra]
+    wrong = np.einsum("ij,ij->i", np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), p[:, 3] - p[:, 0]) > 0
+    tetrahedra[wrong] = tetrahedra[wrong][:, [0, 2, 1, 3]]
+    return tetrahedra
+
+
+def _add(mesh: Mesh, dim: int, name: str, elements: np.ndarray) -> None:
+    data = np.ascontiguousarray(elements, dtype=np.int32)
+    mesh.AddElements(dim=dim, index=mesh.AddRegion(name, dim=dim), data=data, base=0)
