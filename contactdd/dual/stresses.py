@@ -36,7 +36,8 @@ class EquilibratedStresses:
         self.body, self._domain = body, body.mesh.domain
         self._row = basix.ufl.element("BDM", "triangle", degree)
         lower, same = (basix.ufl.element("DG", "triangle", each) for each in (degree - 1, degree))
-        # One space for both rows and for the functions that conditions are tested with: all matrices are square.
+        # One space for both rows and for the functions that conditions are tested with: all matrices are square, as
+        # dolfinx to 0.11.0 assembles rectangular ones of such elements wrongly (its issue 4294).
         self.space = fem.functionspace(
             self._domain, basix.ufl.mixed_element([self._row, self._row, lower, lower, same])
         )

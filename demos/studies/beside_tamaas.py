@@ -2,9 +2,9 @@
 
     python3 demos/studies/beside_tamaas.py --tamaas PYTHON [--quick] [--out DIR]
 
-PYTHON is an interpreter that has Tamaas, such as that of a virtual environment (`pip install tamaas`); it runs
-peers/with_tamaas.py in a process of its own. The surface is that of rough_surface.py, pressed by a rigid plate, once
-without a layer and once with a linear one. Both solve to 1e-10 in their own measure, on one thread.
+PYTHON is an interpreter that has Tamaas, such as that of a virtual environment with Python 3.12 (`pip install tamaas`);
+it runs peers/with_tamaas.py in a process of its own. The surface is that of rough_surface.py, pressed by a rigid plate,
+once without a layer and once with a linear one. Both solve to 1e-10 in their own measure, on one thread.
 """
 
 from __future__ import annotations
