@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -63,7 +64,8 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
         return value
     if callable(value):
         function = fem.Function(fem.functionspace(domain, ("Discontinuous Lagrange", degree, shape)))
-        function.interpolate(lambda x: evaluate(name, value, x, shape))
+        size = math.prod(shape)  # dolfinx takes tensors row by row
+        function.interpolate(lambda x: evaluate(name, value, x, shape).reshape(size, -1))
         return function
     array = as_floats(name, value, f"finite values of shape {shape}")
     if array.shape != shape or not np.all(np.isfinite(array)):
