@@ -168,8 +168,10 @@ def _interpolated(expression: Any) -> fem.Function:
     """The function of the cells' polynomials that is closest to a UFL expression."""
     from .base import compat
 
-    functions = ufl.algorithms.extract_coefficients(expression)
-    domain = next(each.function_space.mesh for each in functions if isinstance(each, fem.Function))
+    domains = ufl.domain.extract_domains(expression)
+    if len(domains) != 1:
+        raise ValueError(f"{expression!r}: it is on {len(domains)} meshes; expected a UFL expression on the body's")
+    domain = compat.mesh_of(domains[0])
     element = ("Discontinuous Lagrange", EXPRESSION_DEGREE, expression.ufl_shape)
     space = fem.functionspace(domain, element)
     function = fem.Function(space)

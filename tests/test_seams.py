@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+import ufl
+from dolfinx import fem
 
 import contactdd as cd
 
@@ -46,3 +48,25 @@ def test_tensors_that_are_not_symmetric_are_refused():
     scene = pair(floor(mesh, loads=[load]), cd.Body("high", mesh.moved((0, 1)), SOFT, supports=[cd.Fixed("top")]))
     with pytest.raises(ValueError, match="not symmetric everywhere"):
         cd.solve(scene)
+
+
+@pytest.mark.parametrize(
+    ("in_ufl", "as_plain"),
+    [
+        (lambda mesh: cd.Isotropic(fem.Constant(mesh.domain, 1e3), fem.Constant(mesh.domain, 0.3)), SOFT),
+        (
+            lambda mesh: cd.Isotropic(1e3 * (1 + ufl.SpatialCoordinate(mesh.domain)[0]), 0.3),
+            cd.Isotropic(lambda x: 1e3 * (1 + x[0]), 0.3),
+        ),
+    ],
+)
+def test_material_of_constants_and_coordinates(in_ufl, as_plain):
+    """A material in UFL needs no Function."""
+    mesh = cd.rectangle((0, 0), (2, 1), (4, 2))
+    load = cd.Pressure("top", lambda x: 1 + x[0])
+    solutions = [
+        cd.solve(pair(floor(mesh, material), cd.Body("high", mesh.moved((0, 1)), SOFT, loads=[load])))
+        for material in (in_ufl(mesh), as_plain)
+    ]
+    one, other = (solution.contact().pressure for solution in solutions)
+    assert one == pytest.approx(other, rel=1e-9)
