@@ -70,3 +70,20 @@ def test_material_of_constants_and_coordinates(in_ufl, as_plain):
     ]
     one, other = (solution.contact().pressure for solution in solutions)
     assert one == pytest.approx(other, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("bond", "symmetric"),
+    [
+        (cd.BondedLayer(LINEAR, shear_stiffness=100.0), True),
+        (cd.BondedLayer(LINEAR, shear_stiffness=lambda x: 100 * (1 + x[0])), False),
+        (cd.BondedLayer(LINEAR, tension=cd.VaryingLayer(cd.LinearLayer, stiffness=lambda x: 100 * (1 + x[0]))), False),
+    ],
+)
+def test_a_symmetric_scene_has_symmetric_bonds(bond, symmetric):
+    """In shear and in tension, too: what the hint says of the scene, its solution shows."""
+    mesh = cd.rectangle((0, 0), (2, 1), (4, 2), shape="quadrilateral")
+    scene = pair(floor(mesh), cd.Body("high", mesh.moved((0, 1)), SOFT, loads=[cd.Pressure("top", -1.0)]), bond)
+    pressure = cd.solve(scene).contact().sorted().pressure
+    assert (np.abs(pressure - pressure[::-1]).max() < 1e-9) == symmetric
+    assert any("symmetric about x = 1" in hint for hint in scene.hints()) == symmetric
