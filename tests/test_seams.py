@@ -1,9 +1,10 @@
-"""Where two features meet: tensors that are functions, constants of UFL in materials, hints about bonds."""
+"""Where two features meet: tensors that are functions, constants of UFL in materials, hints about bonds, decks."""
 
 import numpy as np
 import pytest
 import ufl
 from dolfinx import fem
+from test_deck_scene import cubes
 
 import contactdd as cd
 
@@ -87,3 +88,125 @@ def test_a_symmetric_scene_has_symmetric_bonds(bond, symmetric):
     pressure = cd.solve(scene).contact().sorted().pressure
     assert (np.abs(pressure - pressure[::-1]).max() < 1e-9) == symmetric
     assert any("symmetric about x = 1" in hint for hint in scene.hints()) == symmetric
+
+
+LINEAR_LAW = "PRESSURE-OVERCLOSURE=LINEAR\n1.E7,\n"
+
+
+def test_pressures_of_a_deck_that_are_nearly_the_same(tmp_path):
+    """Both are loads: of the faces below and above the upper block, 0.04 each, they add up to 0.04 (p₁ − p₂)."""
+    low, high = 25.0, 25.00002  # the same in six digits
+    deck = cubes(LINEAR_LAW, f"*DLOAD\nUPPER, P1, {high}\nUPPER, P2, {low}\n")
+    deck.text = deck.text.replace("UPPER_ABOVE, 3, 3, 0.\n", "UPPER_ABOVE, 3, 3, -1.E-4\n")
+    loads = cd.solve(cd.read_scene(deck.write(tmp_path))).forces("UPPER")["loads"]
+    assert loads[2] == pytest.approx(0.04 * (high - low), rel=1e-6)  # a difference that keeps nine of 16 digits
+
+
+def test_temperatures_of_a_new_step(tmp_path):
+    """OP=NEW takes back those of the step before, as its neighbours' cards do with theirs."""
+    heat = "*TEMPERATURE\nUPPER_ALL, 100.\n*END STEP\n*STEP\n*STATIC\n*TEMPERATURE, OP=NEW\nLOWER_ALL, 0.\n"
+    deck = cubes(LINEAR_LAW, heat)
+    deck.text = deck.text.replace("*DENSITY", "*EXPANSION\n1.E-5\n*DENSITY")
+    assert not any(body.loads for body in cd.read_scene(deck.write(tmp_path)).bodies)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("INTERACTION=SI, TYPE", "INTERACTION=SI, TIED, TYPE", r"\*CONTACTPAIR, TIED"),
+        ("SURFACE BEHAVIOR, PRESS", "SURFACE BEHAVIOR, NO SEPARATION, PRESS", r"\*SURFACEBEHAVIOR, NOSEPARATION"),
+        ("ELSET=LOWER, MATERIAL=STEEL", "ELSET=LOWER, MATERIAL=STEEL, ORIENTATION=O", "SOLIDSECTION, ORIENTATION"),
+        ("*STATIC\n", "*STATIC\n*DSLOAD, OP=NEW\nBELOW, P, -5.\n", r"\*DSLOAD, OP"),
+        ("*STATIC\n", "*STATIC\n*BOUNDARY, FIXED\nUPPER_ABOVE, 3, 3\n", r"\*BOUNDARY, FIXED"),
+        ("*CONTACT PAIR", "*CLEARANCE, SLAVE=SLAVE, MASTER=MASTER, VALUE=1.\n*CONTACT PAIR", r"no \*CONTACT PAIR of"),
+        ("*STATIC\n", "*STATIC\n*NSET, NSET=ALL, ELSET=UPPER\n", "nodes of an ELSET"),
+        (", MATERIAL=STEEL\n", "\n", "MATERIAL"),
+    ],
+)  # fmt: skip
+def test_what_a_deck_says_is_not_passed_over(old, new, words, tmp_path):
+    deck = cubes(LINEAR_LAW, "*DLOAD\nUPPER, P1, -25.\n")
+    assert old in deck.text
+    deck.text = deck.text.replace(old, new)
+    with pytest.raises(ValueError, match=words):
+        cd.read_scene(deck.write(tmp_path))
+
+
+#: Two blocks of two CPS4 each; only one of the lower block's has a section where HALF says so.
+PLANE = """*NODE
+1, 0, 0
+2, 1, 0
+3, 2, 0
+4, 0, 1
+5, 1, 1
+6, 2, 1
+11, 0, 1
+12, 1, 1
+13, 2, 1
+14, 0, 2
+15, 1, 2
+16, 2, 2
+*ELEMENT, TYPE=CPS4, ELSET=LOW
+1, 1, 2, 5, 4
+2, 2, 3, 6, 5
+*ELEMENT, TYPE=CPS4, ELSET=HIGH
+11, 11, 12, 15, 14
+12, 12, 13, 16, 15
+*ELSET, ELSET=HALF
+1,
+*SURFACE, NAME=S
+LOW, S3
+*SURFACE, NAME=M
+HIGH, S1
+*MATERIAL, NAME=STEEL
+*ELASTIC
+1000., 0.3
+*SOLID SECTION, ELSET={section}, MATERIAL=STEEL
+2.
+*SOLID SECTION, ELSET=HIGH, MATERIAL=STEEL
+{thickness}
+*SURFACE INTERACTION, NAME=SI
+*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR
+1.E3,
+*CONTACT PAIR, INTERACTION=SI
+S, M
+*BOUNDARY
+1, 1, 2
+2, 2
+3, 2
+*STEP
+*STATIC
+*CLOAD
+14, 2, -1.
+15, 2, -2.
+16, 2, -1.
+*END STEP
+"""
+
+
+def test_sections_of_a_deck(tmp_path):
+    """Forces by the thickness, 4 / 2; sections of part of a body, or of other thicknesses, are refused."""
+    path = tmp_path / "deck.inp"
+
+    def scene(section, thickness):
+        path.write_text(PLANE.format(section=section, thickness=thickness))
+        return cd.read_scene(path)
+
+    assert cd.solve(scene("LOW", 2.0)).contact().force == pytest.approx(2.0, rel=1e-9)
+    with pytest.raises(ValueError, match=r"1 of the 2 elements of 'LOW', one of them 2, have no \*SOLID SECTION"):
+        scene("HALF", 2.0)
+    with pytest.raises(ValueError, match="several thicknesses"):
+        scene("LOW", 1.0)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [("INCLUDE 'mesh.bdf'", "includes another"), ("GRDSET,,7", "coordinate system 7")],
+)
+def test_bulk_data_whose_nodes_are_elsewhere(line, words, tmp_path):
+    corners = "".join(f"GRID,{n},,{x},{y},0.\n" for n, (x, y) in enumerate([(0, 0), (1, 0), (1, 1), (0, 1)], 1))
+    path = tmp_path / "square.bdf"
+    path.write_text(f"BEGIN BULK\n{corners}CQUAD4,1,1,1,2,3,4\nENDDATA\n")
+    assert cd.read_mesh(path).cells == 1
+    path.write_text(f"BEGIN BULK\n{line}\n{corners}CQUAD4,1,1,1,2,3,4\nENDDATA\n")
+    with pytest.raises(ValueError, match=words):
+        cd.read_mesh(path)
