@@ -229,3 +229,19 @@ def test_a_hot_body_pressed_a_little(method, options, local_solver):
     solution = cd.solve(scene, method=method, local_solver=local_solver, **options)
     assert solution.contact().force == pytest.approx(2 * load, rel=1e-7)
     assert solution.imbalance < 1e-10
+
+
+def test_slip_and_closures_are_exported(tmp_path):
+    """Of a bond the slip and the shear, of a gasket the closures; ParaView's own reader finds the numbers."""
+    pyvista = pytest.importorskip("pyvista")
+    mesh = cd.rectangle((0, 0), (2, 1), (4, 2))
+    bond = cd.BondedLayer(LINEAR, shear_stiffness=100.0)
+    for layer, names in ((bond, ["slip", "shear"]), (cd.GasketLayer(LINEAR, unloading=4e3), ["largest_closure"])):
+        load = cd.Traction("top", (0.1 * layer.bonded, -1.0))
+        solution = cd.solve(pair(floor(mesh), cd.Body("high", mesh.moved((0, 1)), SOFT, loads=[load]), layer))
+        solution.export(tmp_path)
+        read = pyvista.read(tmp_path / "low-high points.vtu").point_data
+        for name in names:
+            values = getattr(solution.contact(), name)
+            columns = (slice(None), slice(2))[: values.ndim]  # ParaView's vectors have three components
+            assert np.array_equal(read[name.replace("_", " ")][columns], values)
