@@ -15,7 +15,7 @@ import ufl
 from .base.arrays import Floats
 from .base.checks import as_floats
 from .elements import Elements
-from .field import Field, check_field, coefficient
+from .field import Field, check_field, volume_coefficient
 from .load import FormLoad, LoadedBody
 from .material import VOIGT
 from .parameter import current, refuse_parameter
@@ -73,11 +73,11 @@ class ThermalStrain(_Strain):
         Args:
             on: The elements of the body.
         """
-        rise = coefficient("temperature", self.temperature, on.domain, (), on.field_degree)
+        rise = volume_coefficient("temperature", self.temperature, on.domain, (), on.field_degree)
         if _is_three(self.alpha):
-            along = [coefficient("alpha", float(each), on.domain, (), 0) for each in _three(self.alpha)]
+            along = [volume_coefficient("alpha", float(each), on.domain, (), 0) for each in _three(self.alpha)]
         else:
-            along = [coefficient("alpha", self.alpha, on.domain, (), on.field_degree)] * 3
+            along = [volume_coefficient("alpha", self.alpha, on.domain, (), on.field_degree)] * 3
         return ufl.as_vector([*(alpha * rise for alpha in along), 0, 0, 0])
 
 
@@ -123,7 +123,7 @@ class Eigenstrain(_Strain):
         else:
             given = _symmetric(given)
             isotropic = np.ndim(given) == 0
-        value = coefficient("eigenstrain", given, on.domain, () if isotropic else (3, 3), on.field_degree)
+        value = volume_coefficient("eigenstrain", given, on.domain, () if isotropic else (3, 3), on.field_degree)
         if isotropic:
             return ufl.as_vector([value, value, value, 0, 0, 0])
         return ufl.as_vector([value[i, j] if i == j else value[i, j] + value[j, i] for i, j in VOIGT])

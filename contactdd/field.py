@@ -56,6 +56,18 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
     Numbers become `fem.Constant`s, so that another value never compiles another form. Functions take coordinates
     x (3, points) as dolfinx's do and are interpolated by polynomials of `degree`. Of a parameter, its present value.
     """
+    return _coefficient(name, value, domain, shape, ("Discontinuous Lagrange", degree, shape))
+
+
+def volume_coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], degree: int) -> Any:
+    """The same of what acts in the inside of cells: a function may jump where they meet, as materials do there."""
+    element = inner_element(domain, degree)
+    return _coefficient(
+        name, value, domain, shape, basix.ufl.blocked_element(element, shape=shape) if shape else element
+    )
+
+
+def _coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], element: Any) -> Any:
     value = current(value)
     if isinstance(value, ufl.core.expr.Expr):
         if value.ufl_shape != shape:
@@ -63,7 +75,7 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
         refuse_other_mesh(name, value, domain)
         return value
     if callable(value):
-        function = fem.Function(fem.functionspace(domain, ("Discontinuous Lagrange", degree, shape)))
+        function = fem.Function(fem.functionspace(domain, element))
         size = math.prod(shape)  # dolfinx takes tensors row by row
         function.interpolate(lambda x: evaluate(name, value, x, shape).reshape(size, -1))
         return function

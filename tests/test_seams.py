@@ -51,6 +51,22 @@ def test_tensors_that_are_not_symmetric_are_refused():
         cd.solve(scene)
 
 
+def test_expansion_that_jumps_where_materials_do():
+    """A function of the place that jumps between cells is the Function with one value in each; so are body forces."""
+    mesh, found = cd.rectangle((0, 0), (2, 1), (4, 2)), []
+    in_cells = fem.Function(fem.functionspace(mesh.domain, ("DG", 0)))
+    in_cells.x.array[:] = np.where(mesh.middles[:, 0] < 1, 1e-2, 2e-2)
+    for alpha in (in_cells, lambda x: np.where(x[0] < 1, 1e-2, 2e-2), lambda x: np.where(x[0] <= 1, 1e-2, 2e-2)):
+        hot = floor(mesh, loads=[cd.ThermalStrain(alpha, 2.0)])
+        held = cd.Body("high", mesh.moved((0, 1)), SOFT, supports=[cd.Fixed("top")])
+        found.append(cd.solve(pair(hot, held)).contact().pressure)
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+    assert found[2] == pytest.approx(found[0], rel=1e-9)
+    weight = cd.BodyForce(lambda x: [0 * x[0], np.where(x[0] < 1, -3.0, 0.0)])
+    loaded = cd.solve(pair(floor(mesh, loads=[weight]), held)).forces("low")["loads"]
+    assert loaded[1] == pytest.approx(-3.0, rel=1e-12)  # on half of the body, of area 1
+
+
 @pytest.mark.parametrize(
     ("in_ufl", "as_plain"),
     [
