@@ -137,6 +137,7 @@ def test_temperatures_of_a_new_step(tmp_path):
         ("*CONTACT PAIR", "*CLEARANCE, SLAVE=SLAVE, MASTER=MASTER, VALUE=1.\n*CONTACT PAIR", r"no \*CONTACT PAIR of"),
         ("*STATIC\n", "*STATIC\n*NSET, NSET=ALL, ELSET=UPPER\n", "nodes of an ELSET"),
         (", MATERIAL=STEEL\n", "\n", "MATERIAL"),
+        ("*MATERIAL", "*ELEMENT, TYPE=CPS3\n7, 1, 2, 3\n*MATERIAL", "ELEMENT of the plane beside solid ones"),
     ],
 )  # fmt: skip
 def test_what_a_deck_says_is_not_passed_over(old, new, words, tmp_path):

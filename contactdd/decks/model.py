@@ -132,6 +132,8 @@ def model_of(deck: Deck, cards: Sequence[Card], program: str) -> Model:
         model.take(card)
     for other in sorted(deck.others):
         model.not_understood(f"ELEMENT, TYPE={other}")
+    if len({dim for dim, _ in deck.elements}) > 1:
+        model.not_understood("ELEMENT of the plane beside solid ones")
     return model
 
 
