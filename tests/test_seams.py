@@ -71,6 +71,7 @@ def test_expansion_that_jumps_where_materials_do():
     ("in_ufl", "as_plain"),
     [
         (lambda mesh: cd.Isotropic(fem.Constant(mesh.domain, 1e3), fem.Constant(mesh.domain, 0.3)), SOFT),
+        (lambda mesh: cd.Isotropic(1e3 + 0 * ufl.SpatialCoordinate(mesh.domain)[0], 0.3), SOFT),
         (
             lambda mesh: cd.Isotropic(1e3 * (1 + ufl.SpatialCoordinate(mesh.domain)[0]), 0.3),
             cd.Isotropic(lambda x: 1e3 * (1 + x[0]), 0.3),
