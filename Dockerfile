@@ -26,4 +26,4 @@ EXPOSE 8888
 CMD ["jupyter", "notebook", "--allow-root", "--no-browser", "--ip=0.0.0.0", "--port=8888"]
 
 FROM checkout AS test
-CMD ["./run", "pytest"]
+CMD ["./run", "pytest", "-n", "auto"]

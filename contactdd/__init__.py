@@ -77,11 +77,12 @@ if TYPE_CHECKING:
     from .partners.rigid_body import RigidBody
     from .point_force import PointForce
     from .saved import SavedSolution, load_solution
+    from .scene_file import SceneFile, SceneFileError, read_scene_file
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
 
 #: Where that is which most scenes don't use, imported when first asked for: layer laws, bodies without a mesh and their
-#: shapes, files, adaptation.
+#: shapes, files, saved solutions, adaptation.
 _LATER = {
     "Adaptation": "adaptation",
     "AxisymmetricHalfSpace": "partners.half_space",
@@ -113,6 +114,8 @@ _LATER = {
     "RigidBody": "partners.rigid_body",
     "Round": "adaptation",
     "SavedSolution": "saved",
+    "SceneFile": "scene_file",
+    "SceneFileError": "scene_file",
     "SeriesLayer": "layers.series",
     "Shape": "shapes",
     "Sphere": "shapes",
@@ -128,6 +131,7 @@ _LATER = {
     "read_gmsh": "files",
     "read_mesh": "files",
     "read_scene": "decks",
+    "read_scene_file": "scene_file",
 }
 
 __all__ = [
@@ -209,6 +213,8 @@ __all__ = [
     "Round",
     "SavedSolution",
     "Scene",
+    "SceneFile",
+    "SceneFileError",
     "Scheme",
     "SeriesLayer",
     "Shape",
@@ -237,6 +243,7 @@ __all__ = [
     "read_gmsh",
     "read_mesh",
     "read_scene",
+    "read_scene_file",
     "rectangle",
     "reference",
     "register_local_solver",

@@ -43,6 +43,8 @@ LEVELS = [
     ["error_estimate"],
     ["adaptation", "dual"],
     ["programme"],
+    ["scene_file"],
+    ["__main__"],
 ]
 LEVEL = {room: level for level, rooms in enumerate(LEVELS) for room in rooms}
 #: Rooms beside the road: what they may import, and nobody but the package's front door imports them.

@@ -211,3 +211,20 @@ def test_a_small_body_is_condensed_alike_by_lapack_and_by_mumps(cells):
     for one, other in zip(small.condense_load(forces), large.condense_load(forces), strict=True):
         assert one == pytest.approx(other, rel=1e-10)
     assert small.recover(moved[:4], forces) == pytest.approx(large.recover(moved[:4], forces), rel=1e-10)
+
+
+def test_a_chain_of_bonded_blocks_hangs_and_does_not_where_one_is_loose(monkeypatch):
+    """Bonds resist pulling: a load that lifts blocks is held by glue all the way down, and by no contact."""
+    monkeypatch.setattr(joint_motions, "LARGEST_DENSE", 0)
+    glue = cd.BondedLayer(cd.LinearLayer(1e5))
+    pull = {5: cd.Traction("top", (0.0, 10.0))}
+    scene = stack([[*FLOOR, *ROLLERS], *[ROLLERS] * 5], pull, glue)
+    solution = cd.solve(scene)
+    assert isinstance(solution._ensemble.rigid, ManyMotions)
+    assert unbounded_motion(solution._ensemble, solution._ensemble.tractions(solution._state)) is None
+    assert unbounded_motion(solution._ensemble) is None
+    for contact in range(5):
+        assert solution.contact(contact).pressure == pytest.approx(-10.0, rel=1e-8)
+    with pytest.raises(cd.NoEquilibriumError) as told:
+        cd.solve(stack([[*FLOOR, *ROLLERS], *[ROLLERS] * 5], pull, glue).with_layer(LAYER, "block 2–block 3"))
+    assert told.value.body in ("block 3", "block 4", "block 5")

@@ -96,9 +96,9 @@ def test_local_solvers(local_solver):
     scene = columns(held=True, layer=cd.PowerLayer(4e-6, 1.1), gap=groove)
     expected = cd.solve(scene).contact().pressure
     for method in (scheme(two_sided), scheme(secant, order=["high", "low"])):
-        options = {"gamma": 0.9, "tolerance": 1e-8, "local_solver": local_solver}
+        options = {"gamma": 0.9, "tolerance": 1e-6, "local_solver": local_solver}
         found = cd.solve(scene, method, **options).contact().pressure
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6 * expected.max())  # residuals of 1e-8
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-4 * expected.max())  # residuals of 1e-6
 
 
 def test_three_bodies_in_colours():

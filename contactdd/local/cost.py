@@ -44,6 +44,11 @@ MULTIGRID = (-14.88, 1.063, 0.533)
 SETTING_UP = 0.5
 
 
+#: Multigrid is chosen where it is estimated to take less than this part of what condensing takes: estimates are good to
+#: a fifth, and condensing is surer.
+CLEARLY = 0.8
+
+
 @dataclass(frozen=True)
 class Choice:
     """The local solver of a body, and what it was estimated to cost beside the other; nothing for a small body."""
@@ -97,6 +102,6 @@ def cheapest_solver(body: Body, sides: Sequence[tuple[int, InterfaceSide]], copi
     size = Size.of(body, touched)
     once, each = condensing_seconds(size), dense_seconds(size)
     condensed, multigrid = once / copies + each, multigrid_seconds(size) * (1 - SETTING_UP + SETTING_UP / copies)
-    chosen = "condensed" if condensed <= multigrid else "multigrid"
+    chosen = "multigrid" if multigrid < CLEARLY * condensed else "condensed"
     estimates = f"condensed {condensed:.2g} s, multigrid {multigrid:.2g} s"
     return Choice(chosen, f"auto: {chosen} for {body.name!r}, estimated {estimates}")

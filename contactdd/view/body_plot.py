@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -140,7 +141,7 @@ def turned(points: Floats, sweep: float) -> Floats:
 
 def swept(mesh: Any, sweep: float) -> Any:
     """The surface of a body of revolution, from its meridian as a pyvista grid, the axis as z."""
-    meridian = mesh.extract_surface(nonlinear_subdivision=2).triangulate()
+    meridian = _surface(mesh, 2).triangulate()
     # Else neighbouring cells that are numbered in opposite senses would seem to meet at an edge.
     meridian = meridian.compute_normals(point_normals=False, consistent_normals=True, split_vertices=False)
     meridian.points = np.asarray(meridian.points)[:, [0, 2, 1]]
@@ -202,14 +203,20 @@ def _direction(camera: str | tuple[float, float, float]) -> tuple[Any, Any]:
     return towards, (0.0, 1.0, 0.0) if steep else (0.0, 0.0, 1.0)
 
 
+def _surface(mesh: Any, subdivision: int) -> Any:
+    """The faces around a mesh, curved ones in pieces; newer pyvistas want to be told how they are found."""
+    known = "algorithm" in inspect.signature(mesh.extract_surface).parameters
+    return mesh.extract_surface(nonlinear_subdivision=subdivision, **{"algorithm": "dataset_surface"} if known else {})
+
+
 def _outline(mesh: Any, flat: bool) -> Any:
-    return mesh.extract_surface().extract_feature_edges(
+    return _surface(mesh, 1).extract_feature_edges(
         manifold_edges=False, feature_edges=not flat, boundary_edges=True, non_manifold_edges=False
     )
 
 
 def _cell_edges(mesh: Any) -> Any:
-    return mesh.extract_surface(nonlinear_subdivision=0).extract_all_edges()
+    return _surface(mesh, 0).extract_all_edges()
 
 
 def _look(plotter: Any, points: Floats, direction: tuple[Any, Any], zoom: float) -> None:

@@ -20,7 +20,7 @@ from own_process import in_own_process
 from results import Report
 
 import contactdd as cd
-from contactdd.local.cost import Size, condensing_seconds, dense_seconds, multigrid_seconds
+from contactdd.local.cost import CLEARLY, Size, condensing_seconds, dense_seconds, multigrid_seconds
 
 CASES = (
     *("Q:1:12:6:1", "Q:1:16:8:1", "Q:1:20:10:1", "Q:1:24:12:1", "Q:1:28:14:1"),
@@ -79,7 +79,7 @@ def compared(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
         seconds = condensed["cpu_seconds"], multigrid["cpu_seconds"]
         one = size(condensed)
         estimates = condensing_seconds(one) + dense_seconds(one), multigrid_seconds(one)
-        chosen = seconds[int(estimates[1] < estimates[0])]
+        chosen = seconds[int(estimates[1] < CLEARLY * estimates[0])]
         found.append(
             {
                 "cells": name,

@@ -19,13 +19,10 @@ def pictures(demo: str) -> list[str]:
 
 def page(script: Path) -> str:
     """A demo's text with its pictures in a last cell, and how it is run."""
-    lines = [
-        "",
-        f"Run it: `./run demos/{script.name}`.",
-        *(f"\n![](pictures/{name})" for name in pictures(script.stem)),
-    ]
-    prose = "\n".join(lines).splitlines()
-    return script.read_text() + "\n# %% [markdown]\n" + "\n".join(f"# {line}".rstrip() for line in prose) + "\n"
+    lines = [f"Run it: `./run demos/{script.name}`."]
+    for name in pictures(script.stem):
+        lines += ["", f"![](pictures/{name})"]
+    return script.read_text() + "\n# %% [markdown]\n" + "\n".join(f"# {line}".rstrip() for line in lines) + "\n"
 
 
 def write(path: Path, text: str) -> None:
@@ -43,7 +40,7 @@ def notebook(text: str) -> Any:
 
 
 def copy(_: Any) -> None:
-    """Bring the demos, the notebook and the pictures into the site's sources."""
+    """Bring the demos, the notebook and the pictures into the site's sources, where Sphinx takes ../demos to be."""
     (PAGES / "pictures").mkdir(parents=True, exist_ok=True)
     for picture in (DEMOS / "pictures").glob("*.png"):
         shutil.copy2(picture, PAGES / "pictures" / picture.name)

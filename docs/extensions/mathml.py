@@ -13,14 +13,19 @@ from sphinx.util import logging
 log = logging.getLogger(__name__)
 
 
+def plain(formula: str) -> str:
+    r"""A formula without what docutils does not read as TeX does: \dots, sizes of brackets, the digits of \frac12."""
+    formula = re.sub(r"\\[bB]igg?[lr]?(?![a-zA-Z])", "", formula.replace(r"\dots", r"\ldots"))
+    return re.sub(r"frac\s*(\d)\s*(\d)", r"frac{\1}{\2}", formula)
+
+
 def drawn(node: nodes.Element, as_block: bool) -> str:
     """A formula in MathML; one that cannot be read is a warning, and stays as it is."""
     try:
-        formula = tex2mathml(node.astext().replace(r"\dots", r"\ldots"), as_block=as_block)
+        return tex2mathml(plain(node.astext()), as_block=as_block)
     except (MathError, SyntaxError, IndexError) as error:
         log.warning("formula %r: %s", node.astext(), error, location=node)
         return f"<code>{node.astext()}</code>"
-    return re.sub(r"<mi>(\w\w+)</mi>", r'<mi class="upright">\1</mi>', formula)  # names of functions
 
 
 def inline(translator: Any, node: nodes.math) -> None:

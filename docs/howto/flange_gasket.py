@@ -7,7 +7,8 @@
 #
 # The gasket is a layer: its law is the loading curve measured on a sheet, compression over pressure, as a table.
 # Where the sheet ends, contact ends: the surface `gasket` is the part of the flange's face that it covers. Rough faces
-# would be a second layer, in series with it: `cd.SeriesLayer(sheet, cd.PowerLayer.machined_joint(c=1.0, m=0.5))`.
+# would be a second layer, in series with it: `cd.SeriesLayer(sheet, cd.PowerLayer.machined_joint(c=1.0, m=0.5))`. A
+# gasket that unloads on another curve than it was loaded on is a `cd.GasketLayer`, in [this demo](../demos/flange.py).
 #
 # Both flanges are alike, so one is enough: the other is its image behind a `MirrorPlane`. The bolts' force $F$ is a
 # traction on the ring under their heads. The pressure $p$ acts on the bore, and pulls at the end of the pipe with
