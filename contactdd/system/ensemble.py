@@ -81,7 +81,7 @@ class Ensemble:
         strains = [eigenstrain_load(problem.dofs) for problem in problems]
         self._acting_size, self._straining_size = self.load_size, 0.0
         if any(each is not None for each in strains):
-            self._set_apart([0.0 if each is None else each for each in strains])
+            self._set_apart(strains)
         self.dense = self.size <= LARGEST_DENSE and all(isinstance(p.stiffness, np.ndarray) for p in problems)
         self.stiffness = self._along_diagonal([problem.stiffness for problem in problems])
         self.normal_approach = self._normal_approach()
@@ -95,11 +95,12 @@ class Ensemble:
         self._springs: Any = self._along_diagonal([each.springs for each in motions]) if self._sprung else None
         self._constant = sum(problem.constant for problem in problems)
 
-    def _set_apart(self, strains: Sequence[Any]) -> None:
+    def _set_apart(self, strains: Sequence[Floats | None]) -> None:
         """Set the sizes of the loads of eigenstrains, and of all others."""
-        others = [problem.dofs.load - strain for problem, strain in zip(self.problems, strains, strict=True)]
-        self._acting_size = _size(self.problems, others)
-        self._straining_size = _size(self.problems, [0.0 * other + s for other, s in zip(others, strains, strict=True)])
+        loads = [problem.dofs.load for problem in self.problems]
+        parts = [np.zeros_like(load) if s is None else s for load, s in zip(loads, strains, strict=True)]
+        self._straining_size = _size(self.problems, parts)
+        self._acting_size = _size(self.problems, [load - part for load, part in zip(loads, parts, strict=True)])
 
     @cached_property
     def rigid(self) -> RigidMotions | ManyMotions:
