@@ -5,15 +5,17 @@ They are loads, l(v) = ∫ (C : ε₀) : ε(v) dx, and are taken away where stre
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import ufl
 
+from .base.arrays import Floats
 from .base.checks import as_floats
 from .elements import Elements
-from .field import Field, check_field, coefficient
+from .field import Field, check_field, volume_coefficient
 from .load import FormLoad, LoadedBody
 from .material import VOIGT
 from .parameter import current, refuse_parameter
@@ -71,11 +73,11 @@ class ThermalStrain(_Strain):
         Args:
             on: The elements of the body.
         """
-        rise = coefficient("temperature", self.temperature, on.domain, (), on.field_degree)
+        rise = volume_coefficient("temperature", self.temperature, on.domain, (), on.field_degree)
         if _is_three(self.alpha):
-            along = [coefficient("alpha", float(each), on.domain, (), 0) for each in _three(self.alpha)]
+            along = [volume_coefficient("alpha", float(each), on.domain, (), 0) for each in _three(self.alpha)]
         else:
-            along = [coefficient("alpha", self.alpha, on.domain, (), on.field_degree)] * 3
+            along = [volume_coefficient("alpha", self.alpha, on.domain, (), on.field_degree)] * 3
         return ufl.as_vector([*(alpha * rise for alpha in along), 0, 0, 0])
 
 
@@ -117,10 +119,11 @@ class Eigenstrain(_Strain):
             isotropic = given.ufl_shape == ()
         elif callable(given):
             isotropic = np.ndim(given(on.domain.geometry.x[:1].T)) <= 1
+            given = given if isotropic else _symmetric_everywhere(given)
         else:
             given = _symmetric(given)
             isotropic = np.ndim(given) == 0
-        value = coefficient("eigenstrain", given, on.domain, () if isotropic else (3, 3), on.field_degree)
+        value = volume_coefficient("eigenstrain", given, on.domain, () if isotropic else (3, 3), on.field_degree)
         if isotropic:
             return ufl.as_vector([value, value, value, 0, 0, 0])
         return ufl.as_vector([value[i, j] if i == j else value[i, j] + value[j, i] for i, j in VOIGT])
@@ -135,6 +138,19 @@ def _three(alpha: Any) -> np.ndarray:
     if array.shape != (3,) or not np.all(np.isfinite(array)):
         raise ValueError(f"alpha = {alpha!r}: expected a number or three finite ones, along x, y and z")
     return array
+
+
+def _symmetric_everywhere(function: Callable[[Floats], Any]) -> Callable[[Floats], Any]:
+    """The same function of x, refused where its tensors are not symmetric."""
+
+    def checked(x: Floats) -> Any:
+        values = np.asarray(function(x), dtype=float)
+        size = np.abs(values).max(initial=0.0)
+        if values.ndim > 1 and not np.allclose(values, np.swapaxes(values, 0, 1), rtol=0.0, atol=1e-12 * size):
+            raise ValueError("value: its tensors are not symmetric everywhere; expected symmetric ones (3, 3, points)")
+        return values
+
+    return checked
 
 
 def _symmetric(value: Any) -> Any:

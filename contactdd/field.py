@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
@@ -55,6 +56,18 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
     Numbers become `fem.Constant`s, so that another value never compiles another form. Functions take coordinates
     x (3, points) as dolfinx's do and are interpolated by polynomials of `degree`. Of a parameter, its present value.
     """
+    return _coefficient(name, value, domain, shape, ("Discontinuous Lagrange", degree, shape))
+
+
+def volume_coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], degree: int) -> Any:
+    """The same of what acts in the inside of cells: a function may jump where they meet, as materials do there."""
+    element = inner_element(domain, degree)
+    return _coefficient(
+        name, value, domain, shape, basix.ufl.blocked_element(element, shape=shape) if shape else element
+    )
+
+
+def _coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], element: Any) -> Any:
     value = current(value)
     if isinstance(value, ufl.core.expr.Expr):
         if value.ufl_shape != shape:
@@ -62,8 +75,9 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
         refuse_other_mesh(name, value, domain)
         return value
     if callable(value):
-        function = fem.Function(fem.functionspace(domain, ("Discontinuous Lagrange", degree, shape)))
-        function.interpolate(lambda x: evaluate(name, value, x, shape))
+        function = fem.Function(fem.functionspace(domain, element))
+        size = math.prod(shape)  # dolfinx takes tensors row by row
+        function.interpolate(lambda x: evaluate(name, value, x, shape).reshape(size, -1))
         return function
     array = as_floats(name, value, f"finite values of shape {shape}")
     if array.shape != shape or not np.all(np.isfinite(array)):

@@ -39,14 +39,16 @@ class _Reflection:
         return self.point + self.vectors(x - self.point)
 
 
-def hints(bodies: Sequence[Any], loads: Sequence[Floats], interfaces: Sequence[Interface]) -> list[str]:
+def hints(
+    bodies: Sequence[Any], loads: Sequence[Floats], interfaces: Sequence[Interface], sliding: Sequence[Interface] = ()
+) -> list[str]:
     """What would make a scene smaller, in words.
 
-    loads: (dofs,) the nodal loads of each body; interfaces: the discretised contacts.
+    loads: (dofs,) the nodal loads of each body; interfaces: the discretised contacts; sliding: those of their sliding.
     """
     if not all(isinstance(body, Body) and _plain(body) for body in bodies):
         return []
-    return _mirror_images(bodies, loads, interfaces) + _cuts(bodies, loads, interfaces)
+    return _mirror_images(bodies, loads, interfaces) + _cuts(bodies, loads, [*interfaces, *sliding])
 
 
 def _plain(body: Body) -> bool:
@@ -126,8 +128,8 @@ def _same_contact(interface: Interface, mirror: _Reflection) -> bool:
     order = _places(mirror.points(interface.x), interface.x, size)
     if order is None:
         return False
-    pressed = interface.layer.contact_stress(np.full(len(interface.weights), -1e-4 * size))
-    return all(_same(values, values[order]) for values in (interface.gap, interface.weights, pressed))
+    answers = [interface.layer.contact_stress(np.full(len(interface.weights), z)) for z in (-1e-4 * size, 1e-4 * size)]
+    return all(_same(values, values[order]) for values in (interface.gap, interface.weights, *answers))
 
 
 def _flat_on(interface: Interface, mirror: _Reflection) -> bool:

@@ -17,7 +17,7 @@ from dolfinx import fem
 from .base import compat
 from .base.arrays import Floats
 from .elements import Elements
-from .field import Field, check_dimension, check_field, coefficient
+from .field import Field, check_dimension, check_field, coefficient, volume_coefficient
 from .parameter import current
 
 
@@ -138,7 +138,7 @@ class BodyForce:
             on: The elements of the body.
             v: Their test function.
         """
-        f = coefficient("body force", self.value, on.domain, (on.dim,), on.field_degree)
+        f = volume_coefficient("body force", self.value, on.domain, (on.dim,), on.field_degree)
         return on.over_volume(ufl.dot(f, v))
 
 

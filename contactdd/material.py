@@ -157,6 +157,8 @@ def sampled(expression: Any, cells: NDArray[np.int32]) -> Callable[[Floats], Flo
     """The function of points x (3, points) in given cells (points,) that a UFL expression is."""
 
     def values(x: Floats) -> Floats:
+        if isinstance(expression, ufl.constantvalue.ScalarValue | ufl.constantvalue.Zero):  # what UFL found to be one
+            return np.full((*expression.ufl_shape, x.shape[1]), float(expression))
         function = expression if isinstance(expression, fem.Function) else _interpolated(expression)
         found = function.eval(x.T, cells)
         return np.moveaxis(found.reshape(x.shape[1], *expression.ufl_shape), 0, -1)
@@ -168,8 +170,7 @@ def _interpolated(expression: Any) -> fem.Function:
     """The function of the cells' polynomials that is closest to a UFL expression."""
     from .base import compat
 
-    functions = ufl.algorithms.extract_coefficients(expression)
-    domain = next(each.function_space.mesh for each in functions if isinstance(each, fem.Function))
+    (domain,) = map(compat.mesh_of, ufl.domain.extract_domains(expression))
     element = ("Discontinuous Lagrange", EXPRESSION_DEGREE, expression.ufl_shape)
     space = fem.functionspace(domain, element)
     function = fem.Function(space)

@@ -229,7 +229,8 @@ class Scene:
         """
         from .hints import hints
 
-        return hints(self.bodies, [problem.dofs.load for problem in self.local_problems()], self.interfaces)
+        loads = [problem.dofs.load for problem in self.local_problems()]
+        return hints(self.bodies, loads, self.interfaces, self.sliding)
 
     def body_index(self, body: str | Body) -> int:
         """The index of a body in the scene.

@@ -162,6 +162,11 @@ def _sample(cell: dmesh.CellType) -> dmesh.Mesh:
     return dmesh.create_unit_cube(MPI.COMM_SELF, 1, 1, 1, cell)
 
 
+def mesh_of(domain: ufl.Mesh) -> dmesh.Mesh:
+    """The mesh that a UFL domain stands for."""
+    return dmesh.Mesh(domain.ufl_cargo(), domain)
+
+
 def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64]) -> dmesh.Mesh:
     """A mesh of the same topology, which is shared, with its nodes at x (nodes, dim)."""
     old = domain.geometry._cpp_object

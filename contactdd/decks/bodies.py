@@ -93,16 +93,12 @@ def body_of(model: Model, contents: Contents, part: Part, types: Mapping[int, st
     material: Any = _material(model, sections[0])
     if len(sections) > 1:
         material = {section.elset: _material(model, section) for section in sections}
-    if kinematics == "solid" or kinematics == "axisymmetric":
-        thickness = 1.0
-    else:
-        thickness = sections[0].thickness
     return Body(
         part.name,
         mesh,
         material,
         supports=_supports(model, contents, part, mesh),
-        loads=_loads(model, contents, part, mesh, sections, thickness, kinematics),
+        loads=_loads(model, contents, part, mesh, sections, kinematics),
         degree=1 if part.kind.nodes == part.kind.corners else 2,
         kinematics=kinematics,
     )
@@ -110,8 +106,13 @@ def body_of(model: Model, contents: Contents, part: Part, types: Mapping[int, st
 
 def _sections(model: Model, part: Part) -> list[Section]:
     found = [each for each in model.sections if np.any(np.isin(model.elements(each.elset), part.elements))]
-    if not found:
-        raise ValueError(f"{model.deck.source}: the elements of {part.name!r} have no *SOLID SECTION")
+    covered = [model.elements(section.elset) for section in found]
+    bare = np.setdiff1d(part.elements, np.concatenate([np.zeros(0, dtype=np.int64), *covered]))
+    if len(bare):
+        raise ValueError(
+            f"{model.deck.source}: {len(bare)} of the {len(part.elements)} elements of {part.name!r}, one of them "
+            f"{bare[0]}, have no *SOLID SECTION"
+        )
     return found
 
 
@@ -139,7 +140,7 @@ def _mesh(model: Model, contents: Contents, part: Part) -> Mesh:
 
 
 def _pressed(value: float) -> str:
-    return f"pressure {value:g}"
+    return f"pressure {value!r}"  # all digits: each value has a surface of its own
 
 
 def _pressures(model: Model, part: Part) -> dict[float, list[tuple[int, str]]]:
@@ -163,6 +164,15 @@ def _face(model: Model, contents: Contents, number: int, label: str) -> Integers
 
 def _points(contents: Contents, nodes: Sequence[int] | Integers, dim: int) -> Floats:
     return contents.x[np.searchsorted(contents.numbers, nodes), :dim]
+
+
+def _thickness(model: Model, section: Section, kinematics: str) -> float:
+    """The thickness of plane bodies, which has to be the same of all: bodies here are one unit thick."""
+    if kinematics in ("solid", "axisymmetric"):
+        return 1.0
+    if len({each.thickness for each in model.sections}) > 1:
+        model.not_understood("SOLIDSECTION of several thicknesses")
+    return section.thickness
 
 
 def _supports(model: Model, contents: Contents, part: Part, mesh: Mesh) -> list[PointDisplacement]:
@@ -196,10 +206,10 @@ def _loads(
     part: Part,
     mesh: Mesh,
     sections: Sequence[Section],
-    thickness: float,
     kinematics: str,
 ) -> list[Any]:
     loads: list[Any] = [Pressure(_pressed(value), value) for value in _pressures(model, part)]
+    thickness = _thickness(model, sections[0], kinematics)
     forces: dict[int, Floats] = {}
     ours = part.members
     for (node, direction), value in model.forces.items():

@@ -88,7 +88,7 @@ class Model:
             return
         try:
             taker(self, card)
-        except (ValueError, IndexError, TypeError) as error:
+        except (ValueError, IndexError, TypeError, KeyError) as error:
             if str(error).startswith("path"):
                 raise
             line = card.lines[0] if card.lines else ""
@@ -113,6 +113,12 @@ class Model:
         values[key] = values[key] + value if there else value
         self._given.add((id(values), key))
 
+    def expect(self, card: Card, *parameters: str) -> None:
+        """Note the parameters of a card that are none of these, all of which are heeded or change nothing."""
+        for name in card.parameters:
+            if name not in parameters:
+                self.not_understood(f"{card.keyword}, {name}")
+
     def not_understood(self, what: str) -> None:
         """Note something that is not understood, once."""
         if what not in self.unknown:
@@ -126,6 +132,8 @@ def model_of(deck: Deck, cards: Sequence[Card], program: str) -> Model:
         model.take(card)
     for other in sorted(deck.others):
         model.not_understood(f"ELEMENT, TYPE={other}")
+    if len({dim for dim, _ in deck.elements}) > 1:
+        model.not_understood("ELEMENT of the plane beside solid ones")
     return model
 
 
@@ -190,8 +198,7 @@ def _expansion(model: Model, card: Card) -> None:
 
 
 def _section(model: Model, card: Card) -> None:
-    if "ORIENTATION" in card.parameters:
-        model.not_understood("SOLIDSECTION, ORIENTATION")
+    model.expect(card, "ELSET", "MATERIAL", "CONTROLS")
     values = _numbers(card)
     thickness = values[0] if values else 1.0
     model.sections.append(Section(card.parameters["ELSET"], card.parameters["MATERIAL"], thickness))
@@ -205,6 +212,7 @@ def _interaction(model: Model, card: Card) -> None:
 
 
 def _behaviour(model: Model, card: Card) -> None:
+    model.expect(card, "PRESSURE-OVERCLOSURE", "AUGMENTEDLAGRANGE", "PENALTY", "DIRECT")
     kind = card.parameters.get("PRESSURE-OVERCLOSURE", "HARD")
     rows = [[_number(w) for w in row if w] for row in _rows(card)]
     if kind == "LINEAR":
@@ -232,23 +240,26 @@ def _table(rows: Sequence[Sequence[float]]) -> TableLayer:
 def _pair(model: Model, card: Card) -> None:
     if "ADJUST" in card.parameters and card.parameters["ADJUST"] not in ("0", "0.", "0.0"):
         model.not_understood("CONTACTPAIR, ADJUST")
+    model.expect(card, "ADJUST", "INTERACTION", "TYPE", "SMALLSLIDING", "NOTHICKNESS", "TRACKING", "EXTENSIONZONE")
     for slave, master, *_ in _rows(card):
         model.pairs.append(Pair(slave.upper(), master.upper(), card.parameters["INTERACTION"]))
 
 
 def _clearance(model: Model, card: Card) -> None:
     names = card.parameters["SLAVE"], card.parameters["MASTER"]
-    for pair in model.pairs:
-        if (pair.slave, pair.master) == names:
-            pair.clearance = _number(card.parameters["VALUE"])
+    meant = [pair for pair in model.pairs if (pair.slave, pair.master) == names]
+    if not meant:
+        raise ValueError(f"there is no *CONTACT PAIR of {names[0]} and {names[1]} before it")
+    for pair in meant:
+        pair.clearance = _number(card.parameters["VALUE"])
 
 
 # ----------------------------------------------------------------------------------------------- supports and loads
 
 
 def _anew(model: Model, card: Card) -> None:
-    """Note what a card says of amplitudes, which are not followed."""
-    for name in ("AMPLITUDE", "SUBMODEL", "USER", "TYPE"):
+    """Note what a card says of amplitudes and the like, which are not followed."""
+    for name in ("AMPLITUDE", "SUBMODEL", "USER", "TYPE", "FIXED"):
         if name in card.parameters and card.parameters[name] not in ("DISPLACEMENT",):
             model.not_understood(f"{card.keyword}, {name}")
 
@@ -294,6 +305,8 @@ def _dload(model: Model, card: Card) -> None:
 
 def _dsload(model: Model, card: Card) -> None:
     _anew(model, card)
+    if card.parameters.get("OP") == "NEW":  # of these alone, or of all pressures: programs differ
+        model.not_understood("DSLOAD, OP")
     for name, label, value, *_ in _rows(card):
         if label.upper() != "P" or name.upper() not in model.deck.surfaces:
             model.not_understood(f"DSLOAD {name}, {label}")
@@ -315,6 +328,8 @@ def _temperature(model: Model, card: Card) -> None:
     for name in ("AMPLITUDE", "FILE", "USER"):
         if name in card.parameters:
             model.not_understood(f"TEMPERATURE, {name}")
+    if card.parameters.get("OP") == "NEW":
+        model.temperature.clear()
     for row in _rows(card):
         model.temperature |= dict.fromkeys(model.nodes(row[0]), _number(row[1]))
 

@@ -219,6 +219,8 @@ def _set(deck: Deck, card: Card) -> None:
     name = card.parameters.get(card.keyword)
     if not name:
         raise ValueError(f"expected a name, {card.keyword}=")
+    if card.keyword == "NSET" and "ELSET" in card.parameters:
+        raise ValueError("the nodes of an ELSET; expected the numbers of the nodes")
     entries = deck.sets[card.keyword].setdefault(name, [])
     if "GENERATE" in card.parameters:
         for line in card.lines:

@@ -116,6 +116,10 @@ def _number(text: str) -> float:
 def _take(bulk: _Bulk, entry: list[str]) -> None:
     """Put a node or an element into what has been read."""
     name, *fields = entry
+    if name == "INCLUDE":
+        raise ValueError(f"{bulk.source} includes another; expected one file that has all")
+    if name == "GRDSET" and fields[1] not in ("", "0"):
+        raise ValueError(f"{bulk.source} has nodes in the coordinate system {fields[1]}; expected the basic one, 0")
     if name == "GRID":
         if fields[1] not in ("", "0"):
             raise ValueError(f"{bulk.source} has nodes in the coordinate system {fields[1]}; expected the basic one, 0")

@@ -38,6 +38,11 @@ LARGEST_PRODUCT = 4_000_000
 PRODUCTS_PER_ENTRY = 150
 
 
+#: The part of the loads of eigenstrains that counts among the forces at work: they balance themselves, and may be far
+#: larger than what presses contacts together; but nothing comes closer than their rounding.
+STRAINING = 1e-3
+
+
 #: Entries up to which the map may take more memory than the full matrix, some hundred bytes each: tens of MB.
 LARGEST_MAP = 500_000
 
@@ -72,7 +77,11 @@ class Ensemble:
         self.size = self.parts[-1].stop
         self.weights = np.concatenate([interface.weights for interface in interfaces])
         self.load = np.concatenate([problem.load for problem in problems])
-        self.load_size = math.sqrt(sum(norm(p.dofs.free_forces(p.dofs.load)) ** 2 for p in problems))
+        self.load_size = _size(problems, [problem.dofs.load for problem in problems])
+        strains = [eigenstrain_load(problem.dofs) for problem in problems]
+        self._acting_size, self._straining_size = self.load_size, 0.0
+        if any(each is not None for each in strains):
+            self._set_apart(strains)
         self.dense = self.size <= LARGEST_DENSE and all(isinstance(p.stiffness, np.ndarray) for p in problems)
         self.stiffness = self._along_diagonal([problem.stiffness for problem in problems])
         self.normal_approach = self._normal_approach()
@@ -85,6 +94,13 @@ class Ensemble:
         self._sprung = any(np.any(each.springs) for each in motions)
         self._springs: Any = self._along_diagonal([each.springs for each in motions]) if self._sprung else None
         self._constant = sum(problem.constant for problem in problems)
+
+    def _set_apart(self, strains: Sequence[Floats | None]) -> None:
+        """Set the sizes of the loads of eigenstrains, and of all others."""
+        loads = [problem.dofs.load for problem in self.problems]
+        parts = [np.zeros_like(load) if s is None else s for load, s in zip(loads, strains, strict=True)]
+        self._straining_size = _size(self.problems, parts)
+        self._acting_size = _size(self.problems, [load - part for load, part in zip(loads, parts, strict=True)])
 
     @cached_property
     def rigid(self) -> RigidMotions | ManyMotions:
@@ -134,9 +150,10 @@ class Ensemble:
     def at_work(self, contact: float) -> float:
         """The size of the forces at work, √(‖loads‖² + ‖contact forces‖²) on what is not prescribed.
 
-        Where there are neither: of the forces that prescribed displacements cause. contact: ‖contact forces‖.
+        Eigenstrains are no such loads, but for the part `STRAINING`. Where there is nothing: the size of the forces
+        that prescribed displacements cause. contact: ‖contact forces‖.
         """
-        size = math.hypot(self.load_size, contact)
+        size = max(math.hypot(self._acting_size, contact), STRAINING * self._straining_size)
         return norm(self.load) if size == 0.0 else size
 
     def tractions(self, state: State) -> Floats:
@@ -245,6 +262,17 @@ class Ensemble:
             for port in problem.traces:
                 gaps[self.points[port.interface]] -= port.offset
         return gaps
+
+
+def eigenstrain_load(dofs: Any) -> Floats | None:
+    """The part (dofs,) of the loads of a body that eigenstrains are; None without any, as on a body of one's own."""
+    released = getattr(dofs, "released", None)
+    return None if released is None else released[0]
+
+
+def _size(problems: Sequence[LocalProblem], loads: Sequence[Floats]) -> float:
+    """The size of forces (dofs,) of every body on what is not prescribed."""
+    return math.sqrt(sum(norm(p.dofs.free_forces(each)) ** 2 for p, each in zip(problems, loads, strict=True)))
 
 
 def joined(parts: Sequence[Floats]) -> Floats:

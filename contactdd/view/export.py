@@ -110,6 +110,11 @@ def _points(result: ContactResult) -> Grid:
         "normal": result.normal,
         "weight": result.weights,
     }
-    if result.initial_gap is not None:
-        values["initial gap"] = result.initial_gap
+    known = {
+        "initial gap": result.initial_gap,
+        "slip": result.slip,
+        "shear": result.shear,
+        "largest closure": result.largest_closure,
+    }
+    values |= {name: field for name, field in known.items() if field is not None}
     return Grid(result.x, np.arange(len(result.x))[:, None], VERTEX, values)
