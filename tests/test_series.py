@@ -54,6 +54,23 @@ def test_table_inverts_itself_to_rounding(smooth):
     assert table.compression(0.0) == 0.0
 
 
+@pytest.mark.parametrize(
+    "law",
+    [cd.GreenwoodWilliamsonLayer(1e5, 300.0, 0.05, 1e-3), cd.OverclosureLayer(5.0, 1e-3)],
+    ids=["rough", "overclosure"],
+)
+def test_laws_without_an_inverse_invert_themselves(law, monkeypatch):
+    """From nearly nothing to their end at once, in fewer evaluations than a bisection's 72."""
+    c, pressures = law.compression_limit * np.logspace(-12, 0, 100), []
+    p, known = -law.contact_stress(-c), type(law)._known_pressure
+    monkeypatch.setattr(type(law), "_known_pressure", lambda self, c: pressures.append(c) or known(self, c))
+    found = -law.compression(-p)
+    assert 2 <= len(pressures) <= 24
+    np.testing.assert_allclose(found, c, rtol=1e-14)  # exp(-t²/2) up to t = 8 loses 1.5 digits
+    assert np.isnan(law.compression(np.nan))
+    assert law.compression(0.0) == 0.0
+
+
 def test_newton_keeps_between_its_bounds():
     """A root that Newton's method alone would not find: the function is flat at the start, and its step goes astray."""
 
