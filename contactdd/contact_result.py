@@ -68,6 +68,8 @@ class ContactResult:
         shear: (n, dim) The traction on the first body that this causes (stress); else None.
         largest_closure: (n,) The largest closure that a gasket has seen so far, from its first touch (length); of other
             layers None.
+        centres: (n, dim) The centres of what acts at each point, ∫ ψ x ds / ∫ ψ ds of a node's linear function ψ, as
+            moments need them (length); None where they are the points.
         nodal: The pressure as a linear field on one surface, or what finds it when it is first asked for; None where it
             is not known.
 
@@ -99,6 +101,7 @@ class ContactResult:
     slip: Floats | None = None
     shear: Floats | None = None
     largest_closure: Floats | None = None
+    centres: Floats | None = None
 
     @cached_property
     def corners(self) -> Floats | None:
@@ -176,6 +179,11 @@ class ContactResult:
         return self.weights[:, None] * (tractions if self.shear is None else tractions + self.shear)
 
     @property
+    def _places(self) -> Floats:
+        """Where the points' forces act, (n, dim)."""
+        return self.x if self.centres is None else self.centres
+
+    @property
     def area(self) -> float:
         """The real contact area, of the points that are `closed` (area)."""
         return float(self.weights[self.closed].sum())
@@ -218,7 +226,7 @@ class ContactResult:
         """
         if self.force == 0.0:
             return np.full(self.x.shape[1], np.nan)
-        centre = np.asarray((self.weights * self.pressure) @ self.x / self.force)
+        centre = np.asarray((self.weights * self.pressure) @ self._places / self.force)
         return centre * np.array([0.0, 1.0]) if self.ring else centre
 
     def moment(self, about: ArrayLike = 0.0) -> float | Floats:
@@ -231,7 +239,7 @@ class ContactResult:
             The moment about the axis z in the plane, (3,) in space (force · length); zero for a ring, whose pressures
             balance.
         """
-        arms = self.x - as_floats("about", about, f"{self.x.shape[1]} numbers")
+        arms = self._places - as_floats("about", about, f"{self.x.shape[1]} numbers")
         forces = self._forces
         if self.x.shape[1] == 3:
             return np.cross(arms, forces).sum(axis=0)
@@ -250,7 +258,7 @@ class ContactResult:
         """The same result, its points in the order of `arc_length`; in space in that of x, y, z."""
         order = np.argsort(self.arc_length, kind="stable") if self.x.shape[1] == 2 else np.lexsort(self.x.T[::-1])
         names = ["x", "normal", "weights", "gap", "compression", "pressure", "initial_gap", "pointwise_pressure"]
-        names += ["slip", "shear", "largest_closure"]
+        names += ["slip", "shear", "largest_closure", "centres"]
         parts = {name: getattr(self, name) for name in names}
         found = replace(self, **{name: part[order] for name, part in parts.items() if part is not None})
         if self.nodal is None:

@@ -735,6 +735,7 @@ def _contact_result(
         found,
         interface.layer.bonded,
         largest_closure=_memory(interface, gaps).closures if interface.layer.remembers else None,
+        centres=interface.centres,
     )
 
 

@@ -79,10 +79,11 @@ class Interface:
     evaluate that part again; sides: both bodies; nodal: makes the linear functions of one surface's nodes;
     unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second surface's
     opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
-    points are no nodes; doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is
-    meant, None if they do not; slides: None, or the index of the contact whose sliding along an axis this interface is,
-    `normal` then being that axis; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact
-    integrals are sums over the points: J = Σ weights ∫₀^z g⁻.
+    points are no nodes; centres: (n, dim) the centres of what acts at nodes, ∫ ψ x / ∫ ψ, None where they are `x`;
+    doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is meant, None if they do
+    not; slides: None, or the index of the contact whose sliding along an axis this interface is, `normal` then being
+    that axis; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact integrals are sums
+    over the points: J = Σ weights ∫₀^z g⁻.
     """
 
     contact: Contact
@@ -97,6 +98,7 @@ class Interface:
     unpaired_area: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
+    centres: Floats | None = None
     doubt: Floats | None = None
     slides: int | None = None
     layer: Layer = field(init=False)
@@ -337,6 +339,7 @@ def _nodes_opposite_meshless(
         (first, second),
         lambda: LinearFunctions(own, own.points, own.weights, values),
         gathered=sampling.gathered,
+        centres=values @ own.points.x,
     )
 
 
@@ -491,6 +494,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
         (unpaired[0], unpaired[1]),
         gathered=sampling.gathered,
+        centres=None if sampling.nodes is None else values @ x,
         doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
     )
 

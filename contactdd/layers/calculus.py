@@ -74,6 +74,57 @@ def solve_increasing(function: Callable[[Floats], Floats], target: Floats, lower
     return np.where(target > 0, upper, target)
 
 
+def solve_by_newton(
+    function: Callable[[Floats], tuple[Floats, Floats]], target: Floats, lower: Floats, start: Floats, upper: Floats
+) -> Floats:
+    """The x in [lower, upper], lower > 0, at which an increasing function is target > 0, to rounding; NaN where it is.
+
+    Newton's method in the logarithms of both, in which powers are straight; where a step leaves the bounds, bisection.
+
+    Args:
+        function: its value, > 0, and slope at x.
+    """
+    x, last, found = start, np.full(np.shape(start), np.inf), np.isnan(target)
+    for _ in range(NEWTON_STEPS):
+        value, slope = function(x)
+        above = value >= target
+        lower, upper = np.where(above, lower, x), np.where(above, x, upper)
+        with np.errstate(all="ignore"):  # where it is flat the step is no number, and outside the bounds
+            better = x * np.exp(np.log(target / value) * value / (slope * x))
+        inside = (better >= lower * (1 - NEAR)) & (better <= upper * (1 + NEAR))  # but for rounding
+        better = np.where(inside, np.clip(better, lower, upper), np.sqrt(lower) * np.sqrt(upper))
+        # Where the function is steep x tells that it is found, where it is flat its value.
+        off = np.minimum(np.abs(better - x) / x, np.abs(value - target) / target)
+        found = found | (off <= ROUNDING) | ((off < NEAR) & (off > 0.5 * last))
+        x = np.where(found, x, better)
+        if np.all(found):
+            break
+        last = off
+    return x
+
+
+def inverse(
+    pressure: Callable[[Floats], Floats], slope: Callable[[Floats], Floats], p: Floats, limit: float | Floats
+) -> Floats:
+    """The c in [0, limit] with pressure(c) = p of an increasing function with p(0) = 0, by `solve_by_newton`."""
+    upper = np.broadcast_to(limit, p.shape)
+    wanted = np.where(p > 0, p, pressure(upper))
+    c = solve_by_newton(lambda c: (pressure(c), slope(c)), wanted, np.full(p.shape, TINY), upper, upper)
+    return np.where(p > 0, c, p)
+
+
+#: So many that bisection in all but the last ten leaves 1e-12 of the logarithm between 1e-300 and 1: to rounding then.
+NEWTON_STEPS = 60
+
+
+#: Two roundings of a double.
+ROUNDING = 4.5e-16
+
+
+#: So near only the function's own rounding keeps Newton's method from getting nearer.
+NEAR = 1e-13
+
+
 def _tanh_sinh(step: float = 1 / 16, end: float = 3.5) -> tuple[Floats, Floats]:
     """Points and weights on [0, 1] that don't mind a singularity at either end."""
     t = np.arange(-end, end + step / 2, step)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import finite, positive, positive_values
-from .calculus import TINY, power_series, ratio, relative_expm1, solve_increasing
+from .calculus import inverse, power_series, ratio, relative_expm1
 from .limited import LimitedLayer
 
 #: Decay lengths after which an exponential that has no end is cut: e^-40 = 4e-18 of its pressure at no separation.
@@ -204,5 +204,4 @@ class OverclosureLayer(LimitedLayer):
         return self._factor * self.c0 * np.where(s < 0.5, small, (s - 1) * np.exp(s) + 1 - s**2 / 2)
 
     def _known_depth(self, p: Floats) -> Floats:
-        upper = np.broadcast_to(self.compression_limit, p.shape)
-        return solve_increasing(self._known_pressure, p, np.full(p.shape, TINY), upper)
+        return inverse(self._known_pressure, self._known_slope, p, self.compression_limit)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..base.arrays import Floats
 from ..base.checks import positive_values
-from .calculus import TINY, mean_slope, ratio, solve_increasing
+from .calculus import inverse, mean_slope, ratio
 from .limited import LimitedLayer
 
 #: The separation at which the law begins, in σ: the highest summit of 1e15. Less of the force than rounding is above.
@@ -90,8 +90,7 @@ class GreenwoodWilliamsonLayer(LimitedLayer):
         return self._scale * self.deviation * _work(ratio(c, self.deviation))
 
     def _known_depth(self, p: Floats) -> Floats:
-        upper = np.broadcast_to(self.compression_limit, p.shape)
-        return solve_increasing(self._known_pressure, p, np.full(p.shape, TINY), upper)
+        return inverse(self._known_pressure, self._known_slope, p, self.compression_limit)
 
 
 #: Nearer than this points share eight Gauss points; the law changes e-fold over 1/8 at most.

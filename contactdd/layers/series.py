@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ..base.arrays import Floats
 from ..layer import Layer
+from .calculus import solve_by_newton
 
 
 class SeriesLayer(Layer):
@@ -100,32 +101,19 @@ class SeriesLayer(Layer):
     def _shares(self, c: Floats) -> tuple[Floats, list[Floats]]:
         """The pressure at the compressions c, and each layer's share of them.
 
-        One of n layers is compressed by c/n at least and by c at most: that bounds the pressure. Newton's method in the
-        logarithms of both, which for power laws is nearly linear, keeps within.
+        One of n layers is compressed by c/n at least and by c at most: that bounds the pressure.
         """
-        pressed = np.where(c > 0, c, 1.0)
+        pressed = np.where(c > 0, c, np.max(c, initial=0.0, where=c > 0) or 1.0)
         lower = functools.reduce(np.minimum, (layer._pressure(pressed / len(self.layers)) for layer in self.layers))
         upper = functools.reduce(np.minimum, (layer._pressure(pressed) for layer in self.layers))
-        p = np.sqrt(lower) * np.sqrt(upper)
-        for _ in range(NEWTON_STEPS):
-            parts = [layer._depth(p) for layer in self.layers]
-            total = _total(parts)
-            soft = _total(1 / layer._slope(part) for layer, part in zip(self.layers, parts, strict=True))
-            above = total >= pressed
-            lower, upper = np.where(above, lower, p), np.where(above, p, upper)
-            better = p * np.exp(np.log(pressed / total) * total / (soft * p))
-            inside = (better >= lower) & (better <= upper)
-            better = np.where(inside, better, np.sqrt(lower) * np.sqrt(upper))
-            settled = ~(np.abs(better - p) > 2e-16 * p)
-            p = better
-            if np.all(settled):
-                break
+        p = solve_by_newton(self._depth_and_softness, pressed, lower, np.sqrt(lower) * np.sqrt(upper), upper)
         parts = [layer._depth(p) for layer in self.layers]
         return np.where(c > 0, p, c), [np.where(c > 0, part, c) for part in parts]
 
-
-#: With a bisection in between as the worst case, which halves the pressure's logarithm.
-NEWTON_STEPS = 60
+    def _depth_and_softness(self, p: Floats) -> tuple[Floats, Floats]:
+        """The compression at the pressures p, and its derivative."""
+        parts = [layer._depth(p) for layer in self.layers]
+        return _total(parts), _total(1 / layer._slope(part) for layer, part in zip(self.layers, parts, strict=True))
 
 
 def _in_series(stiffnesses: list[Floats]) -> Floats:

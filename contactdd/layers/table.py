@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import Floats
 from ..base.checks import as_bool, as_floats, finite, positive
-from .calculus import TINY, solve_increasing
+from .calculus import TINY, solve_by_newton
 from .limited import LimitedLayer
 
 #: An end slope that is less than this part of its chord's is zero but for rounding.
@@ -190,8 +190,17 @@ class TableLayer(LimitedLayer):
 
     def _known_depth(self, p: Floats) -> Floats:
         piece = np.clip(np.searchsorted(self._table, p, side="right") - 1, 0, self._table.size - 2)
-        lower, upper = np.maximum(self._knots[piece], TINY), self._knots[piece + 1]
-        return solve_increasing(self._known_pressure, p, lower, upper)
+        linear, quadratic, cubic = pieces = self._pieces[:, piece]
+        rise = (p - self._table[piece]) / self._widths[piece]
+        wanted = np.where(rise > 0, rise, 1.0)
+        start = np.minimum(wanted / pieces.sum(axis=0), 1.0)
+
+        def rise_and_slope(t: Floats) -> tuple[Floats, Floats]:
+            chord, bend = quadratic + t * cubic, quadratic + 2 * t * cubic
+            return t * (linear + t * chord), linear + t * (chord + bend)
+
+        t = solve_by_newton(rise_and_slope, wanted, np.full(p.shape, TINY), start, np.ones(p.shape))
+        return self._knots[piece] + np.where(rise > 0, t, rise) * self._widths[piece]
 
     @cached_property
     def _widths(self) -> Floats:

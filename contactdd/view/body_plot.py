@@ -73,43 +73,43 @@ def plot_bodies(
     """
     import pyvista
 
-    from .display import ensure_display
+    from .display import display
 
     component = normal_component(bodies) if component is None else check_choice("component", component, COMPONENTS)
     check_sweep(bodies, sweep)
     flat = bodies[0].dim == 2 and not sweep
     direction = FLAT if flat else _direction(camera)
     zoom = positive("zoom", zoom)
-    ensure_display()
     scale = visible_scale(bodies) if scale is None else scale
     name = with_unit(component if component == "displacement" else f"stress {component}", unit)
     points = _in_space(np.vstack([body.drawn(scale) for body in bodies]))
     points = turned(points, sweep) if sweep else points
     values = [shown(body, component) for body in bodies]
     limits, labels = (limits, 5) if limits is not None else round_limits(values)
-    plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
-    plotter.set_background("white")
-    # Lines are drawn a little nearer to the eye than the surfaces that they are on, which moves nothing in the picture.
-    nearer = 3e-3 * float(np.ptp(points, axis=0).max()) * np.asarray(direction[0]) / np.linalg.norm(direction[0])
-    for body, value in zip(bodies, values, strict=True):
-        mesh = grid(body, body.drawn(scale))
-        mesh.point_data[name] = value
-        mesh = swept(mesh, sweep) if sweep else mesh
-        bar = _bar_arguments(name, labels)
-        plotter.add_mesh(mesh, scalars=name, clim=limits, cmap=MAP, scalar_bar_args=bar, lighting=False)
-        plotter.add_mesh(_outline(mesh, flat).translate(nearer), color="black", line_width=2)
-        if edges:
-            plotter.add_mesh(_cell_edges(mesh).translate(nearer), color="black", line_width=1, opacity=0.5)
-        if undeformed:
-            before = grid(body, body.points)
-            plotter.add_mesh(_outline(swept(before, sweep) if sweep else before, flat), color="grey", line_width=1)
-    plotter.add_text(
-        title or f"displacements enlarged {scale:g} times", font_size=11, color="black", position="upper_edge"
-    )
-    plotter.add_axes(color="black", line_width=3, zlabel="" if flat else "z")
-    _look(plotter, points, direction, zoom)
-    pixels = plotter.screenshot(return_img=True)
-    plotter.close()
+    with display():
+        plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
+        plotter.set_background("white")
+        # Lines are a little nearer to the eye than the surfaces that they are on, which moves nothing in the picture.
+        nearer = 3e-3 * float(np.ptp(points, axis=0).max()) * np.asarray(direction[0]) / np.linalg.norm(direction[0])
+        for body, value in zip(bodies, values, strict=True):
+            mesh = grid(body, body.drawn(scale))
+            mesh.point_data[name] = value
+            mesh = swept(mesh, sweep) if sweep else mesh
+            bar = _bar_arguments(name, labels)
+            plotter.add_mesh(mesh, scalars=name, clim=limits, cmap=MAP, scalar_bar_args=bar, lighting=False)
+            plotter.add_mesh(_outline(mesh, flat).translate(nearer), color="black", line_width=2)
+            if edges:
+                plotter.add_mesh(_cell_edges(mesh).translate(nearer), color="black", line_width=1, opacity=0.5)
+            if undeformed:
+                before = grid(body, body.points)
+                plotter.add_mesh(_outline(swept(before, sweep) if sweep else before, flat), color="grey", line_width=1)
+        plotter.add_text(
+            title or f"displacements enlarged {scale:g} times", font_size=11, color="black", position="upper_edge"
+        )
+        plotter.add_axes(color="black", line_width=3, zlabel="" if flat else "z")
+        _look(plotter, points, direction, zoom)
+        pixels = plotter.screenshot(return_img=True)
+        plotter.close()
     picture = Picture(np.asarray(pixels)[:, :, :3])
     if path is not None:
         picture.save(path)

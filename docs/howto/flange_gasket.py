@@ -6,9 +6,9 @@
 # bolts' force is left, and where?
 #
 # The gasket is a layer: its law is the loading curve measured on a sheet, compression over pressure, as a table.
-# Where the sheet ends, contact ends: the surface `gasket` is the part of the flange's face that it covers. Rough faces
-# would be a second layer, in series with it: `cd.SeriesLayer(sheet, cd.PowerLayer.machined_joint(c=1.0, m=0.5))`. A
-# gasket that unloads on another curve than it was loaded on is a `cd.GasketLayer`, in [this demo](../demos/flange.py).
+# Where the sheet ends, contact ends: the surface `gasket` is the part of the flange's face that it covers. A coating on
+# its faces, a power law, is a second layer in series with it: both carry the same pressure. A gasket that unloads on
+# another curve than it was loaded on is a `cd.GasketLayer`, in [this demo](../demos/flange.py).
 #
 # Both flanges are alike, so one is enough: the other is its image behind a `MirrorPlane`. The bolts' force $F$ is a
 # traction on the ring under their heads. The pressure $p$ acts on the bore, and pulls at the end of the pipe with
@@ -23,6 +23,7 @@ BORE, PIPE, SEAL, BOLTS, RIM = 50.0, 58.0, (54.0, 68.0), (74.0, 82.0), 90.0  # r
 FORCE = 120e3  # N, of all bolts together
 steel = cd.Isotropic(E=2.1e5, nu=0.3)  # MPa
 sheet = cd.TableLayer(compressions=[0.05, 0.1, 0.2, 0.3, 0.4], pressures=[2.0, 6.0, 20.0, 45.0, 90.0])
+layer = cd.SeriesLayer(cd.PowerLayer(B=4e-4, a=0.8), sheet)  # the coating, on the sheet
 
 radii = [50, 52, *np.linspace(54, 68, 29), *np.linspace(70, 90, 11)]
 mesh = cd.rectangle((BORE, 0), (RIM, 24), (radii, 12), shape="quadrilateral").with_surfaces(
@@ -35,7 +36,7 @@ end = pressure.field(lambda p, x: np.array([0 * x[0], 0 * x[0] + p * BORE**2 / (
 loads = [cd.Resultant("washers", (0, -FORCE)), cd.Pressure("left", pressure), cd.Traction("pipe", end)]
 flange = cd.Body("flange", mesh, steel, loads=loads, degree=2, kinematics="axisymmetric")
 other = cd.MirrorPlane("other flange", (0, 0), (0, 1), kinematics="axisymmetric")
-contact = cd.Contact((flange, "gasket"), other, sheet, name="gasket")
+contact = cd.Contact((flange, "gasket"), other, layer, name="gasket")
 scene = cd.Scene([flange, other], [contact])
 
 # %% [markdown]
