@@ -422,7 +422,8 @@ class Solution:
 
         F is the contact force and δ the approach of the bodies' supports, which is a uniform reduction of the gap d;
         all loads stay. The stiffness is that of the layer and of the bodies in series; zero where loads alone fix the
-        force. Collective: on several ranks all have to call it.
+        force. With a `MirrorPlane` δ is the approach of one half to the plane, half of the joint's. Collective: on
+        several ranks all have to call it.
 
         Args:
             contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.

@@ -240,7 +240,10 @@ class GasketAtPoints(Layer):
         if np.shape(x) != self.x.shape or not np.allclose(
             x, self.x, rtol=0.0, atol=1e-9 * np.abs(self.x).max(initial=0)
         ):
-            raise ValueError(f"{self!r}: it remembers closures at its {self.x.shape[1]} points only; expected the same")
+            raise ValueError(
+                f"{self!r}: it remembers closures at its {self.x.shape[1]} points only; expected the same mesh, degree and "
+                "points (no error estimate, adaptation or other points after a first load)"
+            )
         return self
 
     def remembering(self, x: ArrayLike, closures: ArrayLike) -> GasketAtPoints:
