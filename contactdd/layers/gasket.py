@@ -241,8 +241,8 @@ class GasketAtPoints(Layer):
             x, self.x, rtol=0.0, atol=1e-9 * np.abs(self.x).max(initial=0)
         ):
             raise ValueError(
-                f"{self!r}: it remembers closures at its {self.x.shape[1]} points only; expected the same mesh, degree and "
-                "points (no error estimate, adaptation or other points after a first load)"
+                f"{self!r}: it remembers closures at its {self.x.shape[1]} points only; expected the same mesh, degree "
+                "and points (no error estimate, adaptation or other points after a first load)"
             )
         return self
 
