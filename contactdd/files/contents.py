@@ -158,10 +158,12 @@ class Contents:
         A group with facets inside the body is none: its name is kept for whoever asks for it.
         """
         outer = np.bincount(numbers)[numbers] == 1
+        ours = np.zeros(len(self.x), dtype=bool)  # the nodes of this body: most groups of a file of many are elsewhere
+        ours[facets] = True
         per_cell = len(SIDES[kind.shape])
         surfaces, left_out = {}, {}
         for name, rows in self._groups(facets, outer):
-            places = _matches(facets, rows)
+            places = _matches(facets, rows[ours[rows].all(axis=1)])
             within = len(np.unique(numbers[places[~outer[places]]]))
             if within:
                 left_out[name] = inside_the_body(within)
@@ -175,20 +177,27 @@ class Contents:
 
     def _groups(self, facets: Integers, outer: NDArray[np.bool_]) -> Iterator[tuple[str, Integers]]:
         """The sorted corners (facets, corners), as places in x, of each group of facets."""
-        for name, arrays in self.surfaces.items():
-            rows = [np.sort(self._places(name, array), axis=1) for array in arrays if len(array)]
-            strange = sum(int(np.sum(~self._on_cells(array))) for array in rows)
-            if strange:
-                total = sum(len(array) for array in rows)
-                raise ValueError(
-                    f"{self.source}: {strange} of the {total} facets of the group {name!r} belong to no cell"
-                )
-            rows = [array for array in rows if array.shape[1] == facets.shape[1]]
+        for name, arrays in self._sides_in_groups.items():
+            rows = [array for array in arrays if array.shape[1] == facets.shape[1]]
             yield name, np.concatenate(rows) if rows else facets[:0]
         for name, nodes in self.node_sets.items():
             if name not in self.surfaces:
                 within = np.isin(facets, np.searchsorted(self.numbers, np.intersect1d(nodes, self.numbers)))
                 yield name, facets[outer & within.all(axis=1)]
+
+    @cached_property
+    def _sides_in_groups(self) -> dict[str, list[Integers]]:
+        """The sorted corners, as places in x, of the facets of each group, all of them sides of cells."""
+        found = {}
+        for name, arrays in self.surfaces.items():
+            found[name] = [np.sort(self._places(name, array), axis=1) for array in arrays if len(array)]
+            strange = sum(int(np.sum(~self._on_cells(array))) for array in found[name])
+            if strange:
+                total = sum(len(array) for array in found[name])
+                raise ValueError(
+                    f"{self.source}: {strange} of the {total} facets of the group {name!r} belong to no cell"
+                )
+        return found
 
     def _places(self, name: str, nodes: Integers) -> Integers:
         there = np.isin(nodes, self.numbers)
@@ -226,7 +235,7 @@ def merged(groups: Iterator[tuple[str, Integers]]) -> dict[str, Integers]:
 
 def _matches(facets: Integers, rows: Integers) -> Integers:
     """The places in `facets` (n, corners) of those that are among `rows` (m, corners), all of sorted corners."""
-    near = np.flatnonzero(np.isin(facets, rows).all(axis=1))
+    near = np.flatnonzero(np.isin(facets, rows).all(axis=1)) if len(rows) else np.zeros(0, dtype=np.intp)
     if len(near) == 0:
         return near
     numbers = numbered(np.concatenate([facets[near], rows]))

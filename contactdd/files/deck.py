@@ -254,7 +254,8 @@ def contents(deck: Deck, dim: int) -> Contents:
     ]
     cells = np.concatenate([np.zeros(0, dtype=np.int64), *(block.numbers for block in blocks)])
     bodies = {name: np.intersect1d(_members(deck, "ELSET", name), cells) for name in deck.sets["ELSET"]}
-    surfaces = {name: _faces(deck, name, parts, blocks) for name, parts in deck.surfaces.items()}
+    surfaces = _skins(deck, blocks) if dim == 3 else {}
+    surfaces |= {name: _faces(deck, name, parts, blocks) for name, parts in deck.surfaces.items()}
     nodes = {name: _members(deck, "NSET", name) for name in deck.sets["NSET"]}
     for name, parts in deck.node_surfaces.items():
         nodes[name] = np.unique(np.concatenate([of_set(deck, "NSET", entry_of(part), ()) for part in parts]))
@@ -295,6 +296,19 @@ def of_set(deck: Deck, which: str, entry: str | int, outer: tuple[str | int, ...
     direct = np.array([each for each in entries if isinstance(each, int)], dtype=np.int64)
     named = [of_set(deck, which, each, (*outer, entry)) for each in entries if isinstance(each, str)]
     return np.concatenate([direct, *named])
+
+
+def _skins(deck: Deck, solid: Sequence[Block]) -> dict[str, list[Integers]]:
+    """The corner nodes of the plane elements on solid ones, by the ELSETs in which gmsh writes groups of faces."""
+    plane = [_block(kind, np.array(rows, dtype=np.int64)) for (dim, kind), rows in deck.elements.items() if dim == 2]
+    nodes = np.unique(np.concatenate([np.zeros(0, dtype=np.int64), *(block.nodes.ravel() for block in solid)]))
+    found: dict[str, list[Integers]] = {}
+    for name in deck.sets["ELSET"] if plane else ():
+        members = _members(deck, "ELSET", name)
+        corners = [block.nodes[np.isin(block.numbers, members), : block.kind.corners] for block in plane]
+        if any(map(len, corners)) and all(np.isin(each, nodes).all() for each in corners):
+            found[name] = [each for each in corners if len(each)]
+    return found
 
 
 def _faces(deck: Deck, name: str, parts: Sequence[tuple[str, str]], blocks: Sequence[Block]) -> list[Integers]:
