@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 import contactdd as cd
+from contactdd.reference.dimple import dimple_shape
 
 HEIGHT, LOAD = 0.5, 10.0
+RADIUS, DEPTH = 0.5, 2.5e-4  # of the dimple
 STEEL = cd.Isotropic(E=2.1e5, nu=0.3)
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 TOLERANCE = 1e-8
@@ -21,7 +23,7 @@ TOLERANCE = 1e-8
 
 def gap(x: np.ndarray) -> np.ndarray:
     """The dimple."""
-    return 2.5e-4 * np.maximum(1 - (x[0] ** 2 + x[1] ** 2) / 0.25, 0) ** 1.5
+    return dimple_shape(x[0], x[1], RADIUS, DEPTH)
 
 
 @dataclass(frozen=True)

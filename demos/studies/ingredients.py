@@ -12,15 +12,14 @@ twenty contacts wide and deep: the CPU seconds for the same error of the pressur
 from __future__ import annotations
 
 import json
-import os
 import resource
-import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable
 
 import numpy as np
+from own_process import in_own_process
 from results import Report
 
 import contactdd as cd
@@ -95,9 +94,7 @@ def costs(names: list[str]) -> dict[str, dict]:
     print(f"{'':30} imports  forms  memory (MB)  CPU (ms)  unknowns  peak pressure")
     for name in names:
         with tempfile.TemporaryDirectory() as cache:
-            env = {**os.environ, "XDG_CACHE_HOME": cache, "OMP_NUM_THREADS": "1"}
-            command = [sys.executable, __file__, "--measure", name]
-            row = json.loads(subprocess.run(command, env=env, check=True, capture_output=True).stdout.splitlines()[-1])
+            row = in_own_process(__file__, name, environment={"XDG_CACHE_HOME": cache})
         base = set(rows[names[0]]["modules"]) if rows else set(row["modules"])
         row["own"] = sorted(set(row["modules"]) - base)
         rows[name] = row
@@ -167,7 +164,7 @@ def compared(accuracy: float) -> dict[str, dict[str, float]]:
 
 
 def main() -> None:
-    if sys.argv[1:2] == ["--measure"]:
+    if sys.argv[1:2] == ["--case"]:
         measure(sys.argv[2])
         return
     report = Report(__file__, __doc__, quick="three of the scenes, and less accuracy")

@@ -12,9 +12,11 @@ from typing import Any
 import ngsolve as ng
 import numpy as np
 import scipy.sparse
-from dimple import LAYER, LOAD, STEEL, TOLERANCE, Cells
+from dimple import DEPTH, LAYER, LOAD, RADIUS, STEEL, TOLERANCE, Cells, gap
 from netgen.meshing import Mesh
 from ngsolve import ds, dx
+
+from .newton_in_ngsolve import conjugate_gradients, law, newton, stored
 
 ng.SetNumThreads(1)
 
@@ -22,8 +24,6 @@ E, NU = STEEL.E, STEEL.nu
 LAME, SHEAR = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
 B, A = float(LAYER.B), float(LAYER.a)
 START = B * LOAD**A
-#: Reduction of the square of the preconditioned residual by conjugate gradients.
-FORCING = 1e-6
 #: dolfinx's six tetrahedra of a cube, by the corners x + 2 y + 4 z.
 TETRAHEDRA = ((0, 1, 3, 7), (0, 1, 7, 5), (0, 5, 7, 4), (0, 3, 2, 7), (0, 6, 4, 7), (0, 2, 6, 7))
 
@@ -42,11 +42,11 @@ def solved(cells: Cells, way: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
     load = ng.LinearForm(LOAD * v1[2] * ds("bottom") - LOAD * v2[2] * ds("top")).Assemble()
     state = ng.GridFunction(space)
     state.components[1].Set(ng.CF((0, 0, -START)))
-    pressure, slope = _law(_gap() - state.components[0][2] + state.components[1][2])
+    pressure, slope = law(_gap() - state.components[0][2] + state.components[1][2], B, A)
     typical = START ** (1 / A - 1) / (A * B ** (1 / A))
     apart = u1[2] * v1[2] + u2[2] * v2[2]
     now_apart = state.components[0][2] * v1[2] + state.components[1][2] * v2[2]
-    elastic = _stored(u1, v1) * dx("lower") + _stored(u2, v2) * dx("upper")
+    elastic = stored(u1, v1, LAME, SHEAR) * dx("lower") + stored(u2, v2, LAME, SHEAR) * dx("upper")
     fixed = ng.BilinearForm(elastic + typical * apart * contact, symmetric=True, condense=True).Assemble()
     free = ng.BitArray(space.FreeDofs(True))
     projector = ng.Projector(free, True)
@@ -66,70 +66,16 @@ def solved(cells: Cells, way: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
 
     def step(rhs: Any) -> Any:
         change.Assemble()
-        matrix = fixed.mat + change.mat
-        x, rest, direction, better, image = (state.vec.CreateVector() for _ in range(5))
-        x[:] = 0
-        rest.data = rhs
-        better.data = inverse * rest
-        projector.Project(better)
-        direction.data = better
-        square = first = ng.InnerProduct(rest, better)
-        for _ in range(300):
-            image.data = matrix * direction
-            length = square / ng.InnerProduct(direction, image)
-            x.data += length * direction
-            rest.data -= length * image
-            projector.Project(rest)
-            better.data = inverse * rest
-            projector.Project(better)
-            square, before = ng.InnerProduct(rest, better), square
-            if square <= FORCING * first:
-                break
-            direction.data = better + (square / before) * direction
-        return x
+        return conjugate_gradients(fixed.mat + change.mat, inverse, projector, rhs)
 
-    steps, scale, now = 0, ng.Norm(load.vec), residual()
-    while ng.Norm(now) > TOLERANCE * scale:
-        if (steps := steps + 1) > 40:
-            raise RuntimeError("Newton's method does not converge")
-        now = _advanced(state, step(now), now, residual)
+    steps = newton(state.vec, step, residual, TOLERANCE * ng.Norm(load.vec))
     x, weights, closed = _at(mesh, cells, state)
-    gap = 2.5e-4 * np.maximum(1 - (x**2).sum(axis=1) / 0.25, 0) ** 1.5
-    return x, weights, (np.maximum(closed - gap, 0) / B) ** (1 / A), int(sum(space.FreeDofs())), steps
-
-
-def _advanced(state: Any, correction: Any, before: Any, residual: Any) -> Any:
-    """The residual after a full step, or after one to where the energy's slope about vanishes."""
-    downhill, t, low, high = ng.InnerProduct(before, correction), 1.0, 0.0, 1.0
-    state.vec.data += correction
-    for _ in range(10):
-        now = residual()
-        slope = ng.InnerProduct(now, correction)
-        if abs(slope) <= 0.5 * downhill:
-            break
-        low, high = (t, high) if slope > 0 else (low, t)
-        if low == high:
-            break
-        state.vec.data += (0.5 * (low + high) - t) * correction
-        t = 0.5 * (low + high)
-    return now
+    return x, weights, (np.maximum(closed - gap(x.T), 0) / B) ** (1 / A), int(sum(space.FreeDofs())), steps
 
 
 def _gap() -> Any:
-    room = 1 - (ng.x**2 + ng.y**2) / 0.25
-    return 2.5e-4 * ng.IfPos(room, room, 0) ** 1.5
-
-
-def _law(z: Any) -> tuple[Any, Any]:
-    """−g⁻(z) and χ g'(z)."""
-    compression = ng.IfPos(-z, -z, 1)
-    pressure = (compression / B) ** (1 / A)
-    return ng.IfPos(-z, pressure, 0), ng.IfPos(-z, pressure / (A * compression), 0)
-
-
-def _stored(u: Any, v: Any) -> Any:
-    strain, virtual = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
-    return 2 * SHEAR * ng.InnerProduct(strain, virtual) + LAME * ng.Trace(strain) * ng.Trace(virtual)
+    room = 1 - (ng.x**2 + ng.y**2) / RADIUS**2
+    return DEPTH * ng.IfPos(room, room, 0) ** 1.5
 
 
 def _inverse(matrix: Any, free: Any, way: str, spaces: list[Any]) -> Any:

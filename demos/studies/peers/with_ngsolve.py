@@ -12,6 +12,7 @@ import numpy as np
 from netgen.meshing import Mesh
 from ngsolve import ds, dx
 
+from .newton_in_ngsolve import conjugate_gradients, law, newton, stored
 from .problem import (
     DEPTH,
     EXPONENT,
@@ -29,8 +30,6 @@ from .problem import (
     pressure,
     stiffness,
 )
-
-MOST = 40
 
 ng.SetNumThreads(1)
 
@@ -51,18 +50,11 @@ def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
     state = ng.GridFunction(space)
     state.components[1].Set(ng.CF((0, -START)))
     z = _gap() - state.components[0][1] + state.components[1][1]
-    elastic = _stored(u1, v1) * dx("lower") + _stored(u2, v2) * dx("upper")
+    elastic = stored(u1, v1, LAME, SHEAR) * dx("lower") + stored(u2, v2, LAME, SHEAR) * dx("upper")
     solve_step, residual = (_by_newton if way == "newton" else _by_pcg)(
         space, elastic, closing, v_closing, z, contact, load, state
     )
-    steps, scale = 0, ng.Norm(load.vec)
-    now = residual()
-    while ng.Norm(now) > TOLERANCE * scale:
-        steps += 1
-        if steps > MOST:
-            raise RuntimeError(f"no convergence in {MOST} steps")
-        correction = solve_step(now)
-        now = _advance(state.vec, correction, now, residual)
+    steps = newton(state.vec, solve_step, residual, TOLERANCE * ng.Norm(load.vec))
     lower, upper = _contact_points(mesh, grid, shape)
     values = gap(grid.points[0]) - state.components[0][1](lower).ravel() + state.components[1][1](upper).ravel()
     return Answer(pressure(values), int(sum(space.FreeDofs())), steps)
@@ -74,40 +66,9 @@ def _gap():
     return DEPTH * ng.IfPos(room, room, 0) ** 1.5
 
 
-def _stored(u, v):
-    e, f = ng.Sym(ng.Grad(u)), ng.Sym(ng.Grad(v))
-    return 2 * SHEAR * ng.InnerProduct(e, f) + LAME * ng.Trace(e) * ng.Trace(f)
-
-
-def _law(z):
-    """The pressure and the tangent."""
-    c = ng.IfPos(-z, -z, 1)
-    p = (c / SOFTNESS) ** (1 / EXPONENT)
-    return ng.IfPos(-z, p, 0), ng.IfPos(-z, p / (EXPONENT * c), 0)
-
-
-def _advance(vector, correction, before, residual):
-    """A full step or, where the energy would rise, one to where its slope vanishes; the residual there."""
-    downhill = ng.InnerProduct(before, correction)
-    t, low, high = 1.0, 0.0, 1.0
-    vector.data += correction
-    for _ in range(10):
-        now = residual()
-        slope = ng.InnerProduct(now, correction)
-        if abs(slope) <= 0.5 * downhill:
-            break
-        low, high = (t, high) if slope > 0 else (low, t)
-        if low == high:
-            break
-        new = 0.5 * (low + high)
-        vector.data += (new - t) * correction
-        t = new
-    return now
-
-
 def _by_newton(space, elastic, closing, v_closing, z, contact, load, state):
     """Everything anew in each step."""
-    p, slope = _law(z)
+    p, slope = law(z, SOFTNESS, EXPONENT)
     free = space.FreeDofs(True)
     project = ng.Projector(free, True)
     now = state.components[0][1] - state.components[1][1]
@@ -134,7 +95,7 @@ def _by_newton(space, elastic, closing, v_closing, z, contact, load, state):
 
 def _by_pcg(space, elastic, closing, v_closing, z, contact, load, state):
     """All but the contact once."""
-    p, slope = _law(z)
+    p, slope = law(z, SOFTNESS, EXPONENT)
     typical = float(stiffness(np.array(-START)))
     fixed = ng.BilinearForm(elastic + typical * closing * v_closing * contact, symmetric=True, condense=True).Assemble()
     free = space.FreeDofs(True)
@@ -155,34 +116,9 @@ def _by_pcg(space, elastic, closing, v_closing, z, contact, load, state):
 
     def solve_step(right):
         change.Assemble()
-        return _conjugate_gradients(fixed.mat + change.mat, inverse, project, right)
+        return conjugate_gradients(fixed.mat + change.mat, inverse, project, right)
 
     return solve_step, residual
-
-
-def _conjugate_gradients(matrix, inverse, project, right):
-    """The solution to a thousandth; the preconditioner is so good that this takes about seven steps."""
-    solution, residual = right.CreateVector(), right.CreateVector()
-    solution[:] = 0.0
-    residual.data = right
-    direction, preconditioned, image = (right.CreateVector() for _ in range(3))
-    preconditioned.data = inverse * residual
-    project.Project(preconditioned)
-    direction.data = preconditioned
-    square = first = ng.InnerProduct(residual, preconditioned)
-    for _ in range(200):
-        image.data = matrix * direction
-        length = square / ng.InnerProduct(direction, image)
-        solution.data += length * direction
-        residual.data -= length * image
-        project.Project(residual)
-        preconditioned.data = inverse * residual
-        project.Project(preconditioned)
-        square, before = ng.InnerProduct(residual, preconditioned), square
-        if square <= 1e-6 * first:
-            break
-        direction.data = preconditioned + (square / before) * direction
-    return solution
 
 
 def _mesh(grid: Grid, shape: str) -> ng.Mesh:
