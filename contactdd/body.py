@@ -20,7 +20,7 @@ from .coefficient_value import coefficient_values, ufl_in
 from .elements import Elements
 from .field import refuse_other_mesh
 from .kinematics import kinematics as find_kinematics
-from .load import BodyLoad, Load
+from .load import BodyLoad, Load, is_eigenstrain
 from .material import Material
 from .mesh import Mesh
 from .support import PointDisplacement, Spring, Support
@@ -274,12 +274,11 @@ class Body:
     @property
     def has_eigenstrain(self) -> bool:
         """Whether one of the loads is an eigenstrain, such as that of heat."""
-        return any(isinstance(load, BodyLoad) and load.is_strain for load in self.loads)
+        return any(map(is_eigenstrain, self.loads))
 
     def eigenstrain(self) -> Any:
         """The sum ε₀ of all eigenstrains, a UFL vector of six components in the order of Voigt."""
-        each = (load for load in self.loads if isinstance(load, BodyLoad) and load.is_strain)
-        return sum((load.eigenstrain(self.elements) for load in each), ufl.zero(6))
+        return sum((load.eigenstrain(self.elements) for load in filter(is_eigenstrain, self.loads)), ufl.zero(6))
 
     def eigenstrain_form(self, strain: Any, v: Any) -> ufl.Form:
         """The UFL form ∫ (C : ε₀) : ε(v) dx, the load that an eigenstrain is.

@@ -185,10 +185,15 @@ class Contact:
         return other
 
     @property
+    def mirrored(self) -> bool:
+        """Whether it is the contact of a body with its mirror image: of the layer and the gap it has one half."""
+        return any(body.mesh is None and body.mirrors for body, _ in self.sides)
+
+    @property
     def sliding(self) -> Contact | None:
         """What resists sliding along the contact, as a contact of the same surfaces without a gap; None if nothing."""
         law = None if isinstance(self.layer, HardContact) else self.layer.sliding
-        if law is None or any(body.mesh is None and body.mirrors for body, _ in self.sides):
+        if law is None or self.mirrored:
             return None  # a body and its mirror image slide together
         other = copy(self)
         other.layer, other.gap, other.name = law, 0.0, f"{self.name}, sliding"

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .base.arrays import Floats
+from .base.arrays import TINY, Floats
 from .base.checks import as_floats
 from .base.polyline import Polyline, polyline
 from .base.table import frame, vector_columns, write_csv
@@ -37,6 +37,11 @@ class NodalPressure:
     values: Floats
     at_points: Floats
     stiffness_ratio: float = 0.0
+
+
+def closed_points(gap: Floats, pressure: Floats, hard: bool, bonded: bool) -> NDArray[np.bool_]:
+    """Where a layer is compressed, a hard contact carries pressure, or a bond holds, (n,)."""
+    return pressure > 0.0 if hard else (gap < 0.0) | bonded
 
 
 @dataclass(frozen=True)
@@ -151,7 +156,7 @@ class ContactResult:
     @property
     def closed(self) -> NDArray[np.bool_]:
         """The mask (n,) of the points whose layer is compressed or a bond, or where a hard contact carries pressure."""
-        return self.pressure > 0.0 if self.hard else (self.gap < 0.0) | self.bonded
+        return closed_points(self.gap, self.pressure, self.hard, self.bonded)
 
     @property
     def penetration(self) -> float:
@@ -366,8 +371,7 @@ class ContactResult:
         if not self.hard:
             return self.gap
         gap, pressure = np.where(self.closed, 0.0, np.maximum(self.gap, 0.0)), self.pressure
-        tiny = np.finfo(float).tiny
-        return gap / max(float(gap.max()), tiny) - pressure / max(float(pressure.max()), tiny)
+        return gap / max(float(gap.max()), TINY) - pressure / max(float(pressure.max()), TINY)
 
     @cached_property
     def _curve(self) -> Polyline:
@@ -408,7 +412,7 @@ class ContactResult:
         from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 
         mean = self.weights @ self.normal
-        mean /= max(float(np.linalg.norm(mean)), np.finfo(float).tiny)
+        mean /= max(float(np.linalg.norm(mean)), TINY)
         if np.min(self.normal @ mean) < 0.1:
             raise ValueError(
                 "points: the contact surface bends back over itself; expected one that a plane shows whole"

@@ -151,6 +151,11 @@ class Elements:
         weight = self.kinematics.weight(ufl.SpatialCoordinate(self.domain))
         return weight * integrand * ufl.Measure("dx", domain=self.domain, metadata=metadata)
 
+    def by_cell(self, integrand: Any, metadata: dict[str, Any] | None = None) -> ufl.Form:
+        """∫ integrand dx over every cell, a form whose vector has one entry a cell."""
+        cellwise = basix.ufl.element("DG", self.domain.topology.cell_name(), 0)
+        return self.over_volume(integrand * ufl.TestFunction(fem.functionspace(self.domain, cellwise)), metadata)
+
     def over_surface(self, integrand: Any, surface: str, metadata: dict[str, Any] | None = None) -> ufl.Form:
         """∫ integrand ds over a named surface, the full ring in a body of revolution."""
         # The same number for every surface, so that forms on different ones are compiled once.

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import basix.ufl
 import numpy as np
 import ufl
 from dolfinx import fem
@@ -26,7 +25,7 @@ from .base.arrays import Floats, Indices
 from .base.checks import as_count
 from .body import Body
 from .contact import Contact
-from .contact_result import ContactResult
+from .contact_result import ContactResult, closed_points
 from .errors import ContactWarning
 from .scene import Scene
 from .solution import STIFF, Solution
@@ -122,7 +121,7 @@ class ContactErrorEstimate:
 
     @property
     def _better_closed(self) -> NDArray[np.bool_]:
-        return self.better_pressure > 0.0 if self.result.hard else (self.better_gap < 0.0) | self.result.bonded
+        return closed_points(self.better_gap, self.better_pressure, self.result.hard, self.result.bonded)
 
     @property
     def edge(self) -> Floats:
@@ -248,8 +247,7 @@ class ErrorEstimate:
 
     def _density(self, body: Body) -> Floats:
         """The energy of the error in every cell, by its volume."""
-        cellwise = ufl.TestFunction(fem.functionspace(body.mesh.domain, ("DG", 0)))
-        volumes: Floats = fem.assemble_vector(compat.form(body.elements.over_volume(cellwise))).array
+        volumes: Floats = fem.assemble_vector(compat.form(body.elements.by_cell(1.0))).array
         return self.cell_errors(body) / volumes
 
     @cached_property
@@ -422,10 +420,9 @@ def _ratio(part: float, whole: float) -> float:
 
 def cell_energies(body: Body, displacements: Sequence[Floats]) -> list[Floats]:
     """∫ σ(u) : ε(u) over every cell of a body, (cells,) for each u (dofs,)."""
-    u, element = fem.Function(body.space), basix.ufl.element("DG", body.mesh.domain.topology.cell_name(), 0)
-    cellwise = ufl.TestFunction(fem.functionspace(body.mesh.domain, element))
+    u = fem.Function(body.space)
     density = ufl.inner(body.stress(u), body.kinematics.strain(u))
-    form = compat.form(body.elements.over_volume(density * cellwise, body.elastic_metadata))
+    form = compat.form(body.elements.by_cell(density, body.elastic_metadata))
     found = []
     for values in displacements:
         u.x.array[:] = values

@@ -13,6 +13,7 @@ import numpy as np
 import ufl
 from numpy.typing import NDArray
 
+from .base.arrays import TINY
 from .base.checks import check_choice
 from .material import PLACE, VOIGT
 
@@ -126,7 +127,7 @@ class Kinematics:
         cell they are smooth, and multigrid needs them as nearly free of stress.
         """
         centred = x[:, : self.dim] - x[:, : self.dim].mean(axis=0)
-        centred /= max(np.abs(centred).max(initial=0.0), np.finfo(float).tiny)
+        centred /= max(np.abs(centred).max(initial=0.0), TINY)
         planes = ((1, 0),) if self.dim == 2 else ((2, 1), (0, 2), (1, 0))
         modes = np.zeros((len(x), self.dim, self.dim + len(planes)))
         modes[:, :, : self.dim] = np.eye(self.dim)

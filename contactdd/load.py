@@ -279,3 +279,12 @@ class FormLoad(BodyLoad):
 
 
 Load = Pressure | Traction | BodyForce | Resultant | BodyLoad
+
+
+def is_eigenstrain(load: Load) -> bool:
+    """Whether a load is an eigenstrain.
+
+    Args:
+        load: The load.
+    """
+    return isinstance(load, BodyLoad) and load.is_strain

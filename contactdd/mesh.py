@@ -448,7 +448,7 @@ def from_dolfinx(
         raise TypeError(f"domain = {domain!r}: expected a dolfinx mesh")
     groups, left_out = _tagged(domain, facet_tags, names)
     parts = {
-        name: np.unique(cell_tags.indices[np.isin(cell_tags.values, wanted)]).astype(np.int32)
+        name: _with_tags(cell_tags, wanted)
         for name, wanted in _named_tags(domain.topology.dim, cell_tags, subdomains, ("cell_tags", "subdomains")).items()
     }
     return Mesh(domain, {**groups, **_mark(domain, markers)}, left_out, parts)
@@ -493,7 +493,7 @@ def _tagged(
     """The surfaces given by tags of facets, and the reasons why other tags give none."""
     surfaces, left_out = {}, {}
     for name, wanted in _named_tags(domain.topology.dim - 1, tags, names, ("facet_tags", "names")).items():
-        facets = np.unique(tags.indices[np.isin(tags.values, wanted)]).astype(np.int32)
+        facets = _with_tags(tags, wanted)
         within = _within(domain, facets)
         if within:
             left_out[name] = inside_the_body(within)
@@ -507,6 +507,7 @@ def _named_tags(
 ) -> dict[str, list[int]]:
     """The tags of each name, checked; dim: of the tagged entities; arguments: the names of tags and names."""
     tags_name, names_name = arguments
+    of = tags_name.removesuffix("_tags")
     if tags is None:
         if names is not None:
             raise ValueError(f"{names_name} = {names!r}: expected {tags_name} beside them")
@@ -514,7 +515,6 @@ def _named_tags(
     if not isinstance(tags, dmesh.MeshTags):
         raise TypeError(f"{tags_name} = {tags!r}: expected MeshTags of dolfinx")
     if tags.dim != dim:
-        of = tags_name.removesuffix("_tags")
         raise ValueError(f"{tags_name}: tags of entities of dimension {tags.dim}; expected {dim}, the {of}s'")
     known = [int(tag) for tag in np.unique(tags.values)]
     if names is None:
@@ -523,9 +523,13 @@ def _named_tags(
     for name, wanted in chosen.items():
         missing = [tag for tag in wanted if tag not in known]
         if missing:
-            of = tags_name.removesuffix("_tags")
             raise ValueError(f"{names_name}: {name!r} is the tag {missing[0]}, which no {of} has (there are {known})")
     return chosen
+
+
+def _with_tags(tags: Any, wanted: Sequence[int]) -> NDArray[np.int32]:
+    """The sorted indices of the entities that have one of the tags."""
+    return np.unique(tags.indices[np.isin(tags.values, wanted)]).astype(np.int32)
 
 
 def _tags(argument: str, name: str, tags: Any) -> list[int]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -75,10 +76,10 @@ class Scheme:
                 raise TypeError(f"{name} = {getattr(self, name)!r}: expected a text")
         if not callable(self.coefficient):
             raise TypeError(f"coefficient = {self.coefficient!r}: expected a function {TAKEN} -> φ")
-        if positional(self.coefficient) not in (4, 5, None):
+        taken = positional(self.coefficient)
+        if taken not in (4, 5, None):
             raise TypeError(
-                f"coefficient = {self.coefficient!r}: it takes {positional(self.coefficient)} arguments; expected a "
-                f"function {TAKEN} -> φ"
+                f"coefficient = {self.coefficient!r}: it takes {taken} arguments; expected a function {TAKEN} -> φ"
             )
         if self.step == "apart":
             warnings.warn('step = "apart" is now called "decomposed"', DeprecationWarning, stacklevel=3)
@@ -96,7 +97,7 @@ class Scheme:
         """The names of the bodies that are solved at once, one list after another; empty if all are."""
         return [[each] if isinstance(each, str) else list(each) for each in self.order or ()]
 
-    @property
+    @cached_property
     def two_sided(self) -> bool:
         """Whether the coefficient sees the bodies on both sides."""
         return self.coefficient not in COEFFICIENTS and positional(self.coefficient) == 5

@@ -164,15 +164,16 @@ def solve(
         refuse_differences(scene, way | given | limits | ends)
     if file is not None and _is_hard(scene):
         raise ValueError(f"checkpoint = {checkpoint!r}: hard contacts' multipliers are not kept; expected None")
-    if file is not None and resume and ranks.once(file.exists):
-        scene = _remembering(scene, file)
+    saved = file if file is not None and resume and ranks.once(file.exists) else None
+    if saved is not None:
+        scene = _remembering(scene, saved)
     ensemble = _ensemble(scene, scheme, local_solver)
     step = find_step(scheme, ensemble, ranks)
     if local_solver == "auto" and scene.estimates:
         step.note = ", ".join(filter(None, (step.note, *scene.estimates)))
     run: Run | AugmentedRun
-    if file is not None and resume and ranks.once(file.exists):
-        run = Run(ensemble, ranks, scheme, step, *read(file, ensemble, scheme.name, ranks))
+    if saved is not None:
+        run = Run(ensemble, ranks, scheme, step, *read(saved, ensemble, scheme.name, ranks))
     else:
         if isinstance(start, Solution):
             _warn_of_forgotten(scene, start)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import accumulate
 
 import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from .arrays import Floats, Operator
+from .arrays import Floats, Operator, slices
 
 
 def stacked(operators: Sequence[Operator]) -> Operator:
@@ -21,11 +20,10 @@ def stacked(operators: Sequence[Operator]) -> Operator:
 
 def along_diagonal(blocks: Sequence[Floats]) -> Floats:
     """The matrix with dense blocks along its diagonal: SciPy's own takes ten times as long over two small ones."""
-    sizes = [block.shape for block in blocks]
-    ends = list(accumulate(sizes, lambda end, size: (end[0] + size[0], end[1] + size[1]), initial=(0, 0)))
-    matrix = np.zeros(ends[-1])
-    for block, (top, left), (bottom, right) in zip(blocks, ends[:-1], ends[1:], strict=True):
-        matrix[top:bottom, left:right] = block
+    rows, columns = (slices(block.shape[axis] for block in blocks) for axis in (0, 1))
+    matrix = np.zeros((rows[-1].stop, columns[-1].stop))
+    for block, row, column in zip(blocks, rows, columns, strict=True):
+        matrix[row, column] = block
     return matrix
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..base.arrays import Floats
-from ..files.deck import Card, Deck, entry_of, fields, of_set
+from ..files.deck import Card, Deck, entry_of, fields, number_of, of_set
 from ..hard_contact import HardContact
 from ..layer import Layer, LinearLayer
 from ..layers.exponential import ExponentialLayer, OverclosureLayer
@@ -141,12 +141,8 @@ def _rows(card: Card) -> list[list[str]]:
     return [fields(line) for line in card.lines]
 
 
-def _number(word: str) -> float:
-    return float(word.upper().replace("D", "E"))
-
-
 def _numbers(card: Card) -> list[float]:
-    return [_number(word) for row in _rows(card) for word in row if word]
+    return [number_of(word) for row in _rows(card) for word in row if word]
 
 
 # ------------------------------------------------------------------------------------------------------ materials
@@ -157,7 +153,7 @@ def _material(model: Model, card: Card) -> None:
 
 
 def _elastic(model: Model, card: Card) -> None:
-    kind, rows = card.parameters.get("TYPE", "ISO"), [[_number(w) for w in row if w] for row in _rows(card)]
+    kind, rows = card.parameters.get("TYPE", "ISO"), [[number_of(w) for w in row if w] for row in _rows(card)]
     if kind in ("ISO", "ISOTROPIC"):
         if len(rows) > 1 and any(row[:2] != rows[0][:2] for row in rows):
             model.not_understood("ELASTIC that depends on temperature")
@@ -186,7 +182,7 @@ def _density(model: Model, card: Card) -> None:
 
 
 def _expansion(model: Model, card: Card) -> None:
-    rows = [[_number(w) for w in row if w] for row in _rows(card)]
+    rows = [[number_of(w) for w in row if w] for row in _rows(card)]
     kind = card.parameters.get("TYPE", "ISO")
     if kind not in ("ISO", "ORTHO"):
         model.not_understood(f"EXPANSION, TYPE={kind}")
@@ -214,7 +210,7 @@ def _interaction(model: Model, card: Card) -> None:
 def _behaviour(model: Model, card: Card) -> None:
     model.expect(card, "PRESSURE-OVERCLOSURE", "AUGMENTEDLAGRANGE", "PENALTY", "DIRECT")
     kind = card.parameters.get("PRESSURE-OVERCLOSURE", "HARD")
-    rows = [[_number(w) for w in row if w] for row in _rows(card)]
+    rows = [[number_of(w) for w in row if w] for row in _rows(card)]
     if kind == "LINEAR":
         model.behaviours[model._interaction] = LinearLayer(rows[0][0])
     elif kind == "EXPONENTIAL":
@@ -251,7 +247,7 @@ def _clearance(model: Model, card: Card) -> None:
     if not meant:
         raise ValueError(f"there is no *CONTACT PAIR of {names[0]} and {names[1]} before it")
     for pair in meant:
-        pair.clearance = _number(card.parameters["VALUE"])
+        pair.clearance = number_of(card.parameters["VALUE"])
 
 
 # ----------------------------------------------------------------------------------------------- supports and loads
@@ -272,7 +268,7 @@ def _boundary(model: Model, card: Card) -> None:
         first, last = NAMED_SUPPORTS.get(row[1].upper(), (0, 0)) if len(row) > 1 else (0, 0)
         if not first:
             first, last = int(row[1]), int(row[2]) if len(row) > 2 and row[2] else int(row[1])
-        value = _number(row[3]) if len(row) > 3 and row[3] else 0.0
+        value = number_of(row[3]) if len(row) > 3 and row[3] else 0.0
         for node in model.nodes(row[0]):
             model.boundaries |= {(node, direction): value for direction in range(first, last + 1)}
 
@@ -283,7 +279,7 @@ def _cload(model: Model, card: Card) -> None:
         model.forces.clear()
     for row in _rows(card):
         for node in model.nodes(row[0]):
-            model.load(model.forces, (node, int(row[1])), _number(row[2]))
+            model.load(model.forces, (node, int(row[1])), number_of(row[2]))
 
 
 def _dload(model: Model, card: Card) -> None:
@@ -294,11 +290,11 @@ def _dload(model: Model, card: Card) -> None:
     for row in _rows(card):
         label = row[1].upper()
         if label == "GRAV":
-            direction = np.array([_number(word) for word in row[3:6]])
-            model.load(model.gravity, row[0].upper(), _number(row[2]) * direction)
+            direction = np.array([number_of(word) for word in row[3:6]])
+            model.load(model.gravity, row[0].upper(), number_of(row[2]) * direction)
         elif re.fullmatch(r"P\d", label):
             for element in model.elements(row[0]):
-                model.load(model.pressures, (element, "S" + label[1:]), _number(row[2]))
+                model.load(model.pressures, (element, "S" + label[1:]), number_of(row[2]))
         else:
             model.not_understood(f"DLOAD {label}")
 
@@ -313,7 +309,7 @@ def _dsload(model: Model, card: Card) -> None:
             continue
         for entry, face in model.deck.surfaces[name.upper()]:
             for element in model.elements(entry):
-                model.load(model.pressures, (element, face), _number(value))
+                model.load(model.pressures, (element, face), number_of(value))
 
 
 def _initial(model: Model, card: Card) -> None:
@@ -321,7 +317,7 @@ def _initial(model: Model, card: Card) -> None:
         model.not_understood(f"INITIALCONDITIONS, TYPE={card.parameters.get('TYPE', '')}")
         return
     for row in _rows(card):
-        model.initial |= dict.fromkeys(model.nodes(row[0]), _number(row[1]))
+        model.initial |= dict.fromkeys(model.nodes(row[0]), number_of(row[1]))
 
 
 def _temperature(model: Model, card: Card) -> None:
@@ -331,7 +327,7 @@ def _temperature(model: Model, card: Card) -> None:
     if card.parameters.get("OP") == "NEW":
         model.temperature.clear()
     for row in _rows(card):
-        model.temperature |= dict.fromkeys(model.nodes(row[0]), _number(row[1]))
+        model.temperature |= dict.fromkeys(model.nodes(row[0]), number_of(row[1]))
 
 
 def _step(model: Model, card: Card) -> None:

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import scipy
-import ufl
-from dolfinx import fem
 
-from ..base import compat
 from ..base.arrays import Floats, Indices
 from ..body import Body
 from ..interface.discretise import Interface
+from ..local.forms import load_vectors
 
 
 class SurfacePressure:
@@ -125,7 +123,5 @@ def _free_motions(body: Body) -> Floats:
 
 def _rigid_work(body: Body) -> Floats:
     """The work (3,) of the loads on the rigid motions."""
-    v, total = ufl.TestFunction(body.space), np.zeros(body.dofs)
-    for load in body.loads:
-        total += fem.assemble_vector(compat.form(load.form(body.elements, v))).array
-    return np.einsum("nd,ndm->m", total.reshape(-1, 2), _motions(body, body.space.tabulate_dof_coordinates()[:, :2]))
+    load, x = load_vectors(body)[0].reshape(-1, 2), body.space.tabulate_dof_coordinates()[:, :2]
+    return np.einsum("nd,ndm->m", load, _motions(body, x))

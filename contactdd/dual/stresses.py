@@ -13,7 +13,7 @@ from dolfinx import fem
 from dolfinx import mesh as dmesh
 
 from ..base import compat
-from ..base.arrays import Floats, Indices
+from ..base.arrays import TINY, Floats, Indices
 from ..base.facets import surface_points
 from ..body import Body
 from ..load import BodyForce
@@ -72,7 +72,7 @@ class EquilibratedStresses:
         factor = Factor((matrix + scale * (conditions.T @ conditions)).tocsr())
         multipliers: Floats = np.zeros(len(values))
         sigma: Floats = np.zeros(len(towards))
-        size = max(float(np.abs(values).max(initial=0.0)), np.finfo(float).tiny)
+        size = max(float(np.abs(values).max(initial=0.0)), TINY)
         for _ in range(ROUNDS):
             rest = towards - matrix @ sigma - conditions.T @ (multipliers + scale * (conditions @ sigma - values))
             sigma = sigma + factor.solve(rest)

@@ -141,6 +141,11 @@ def fields(line: str) -> list[str]:
     return [part.strip() for part in line.split(",")]
 
 
+def number_of(word: str) -> float:
+    """A real number, also one with Fortran's D for its exponent."""
+    return float(word.upper().replace("D", "E"))
+
+
 def _numbers(lines: Sequence[str]) -> list[str]:
     """The entries of lines that belong together, empty ones left out."""
     return [part for line in lines for part in fields(line) if part]
@@ -172,7 +177,7 @@ def _nodes(deck: Deck, card: Card) -> None:
     for line in card.lines:
         number, *words = fields(line)
         new.append(int(number))
-        x = [float(word.upper().replace("D", "E")) if word else 0.0 for word in words[:3]]
+        x = [number_of(word) if word else 0.0 for word in words[:3]]
         deck.numbers.append(new[-1])
         deck.x.append(x + [0.0] * (3 - len(x)))
     if "NSET" in card.parameters:

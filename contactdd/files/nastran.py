@@ -118,11 +118,9 @@ def _take(bulk: _Bulk, entry: list[str]) -> None:
     name, *fields = entry
     if name == "INCLUDE":
         raise ValueError(f"{bulk.source} includes another; expected one file that has all")
-    if name == "GRDSET" and fields[1] not in ("", "0"):
+    if name in ("GRID", "GRDSET") and fields[1] not in ("", "0"):
         raise ValueError(f"{bulk.source} has nodes in the coordinate system {fields[1]}; expected the basic one, 0")
     if name == "GRID":
-        if fields[1] not in ("", "0"):
-            raise ValueError(f"{bulk.source} has nodes in the coordinate system {fields[1]}; expected the basic one, 0")
         bulk.numbers.append(int(fields[0]))
         bulk.x.append([_number(text) for text in fields[2:5]])
     elif name in ELEMENTS:

@@ -16,6 +16,7 @@ from ..base.arrays import Floats
 from ..base.checks import as_floats
 from ..base.facets import dot
 from ..contact import Contact, Gap
+from ..contact_result import closed_points
 from ..errors import MeshMismatchError
 from ..field import evaluate
 from ..hard_contact import HardContact, augmented_layer
@@ -190,7 +191,7 @@ class Interface:
     @property
     def mirrored(self) -> bool:
         """Whether the contact is that of a body with its mirror image, of whose layer it has one half."""
-        return _mirrored(self.contact)
+        return self.contact.mirrored
 
     @property
     def hard(self) -> bool:
@@ -199,7 +200,7 @@ class Interface:
 
     def closed(self, gap: Floats, pressure: Floats) -> NDArray[np.bool_]:
         """Where the layer is compressed, a hard contact carries pressure, or a bond holds, (points,)."""
-        return pressure > 0.0 if self.hard else (gap < 0.0) | self.layer.bonded
+        return closed_points(gap, pressure, self.hard, self.layer.bonded)
 
     def compressions(self, gap: Floats) -> Floats:
         """The compressions w of the layer, (points,), positive where a bond is stretched."""
@@ -278,7 +279,7 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
     x, normal, weights = own.mean(own.points.x), own.mean(own.points.normal), own.value_weights
     places = smooth_places(own)
     trace, measured = _seen_meshless(contact, partner, x, own.mean(places), normal)
-    given = PrescribedGap(places, own.average, part=0.5 if _mirrored(contact) else 1.0)
+    given = PrescribedGap(places, own.average, part=0.5 if contact.mirrored else 1.0)
     points = Gather(np.arange(len(x)), len(x))
     sides = [
         InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread(), own.mean_along),
@@ -309,7 +310,7 @@ def _nodes_opposite_meshless(
     trace, measured = _seen_meshless(contact, partner, own.points.x, places, own.points.normal)
     normal = values @ own.points.normal
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    given = PrescribedGap(places, values, part=0.5 if _mirrored(contact) else 1.0)
+    given = PrescribedGap(places, values, part=0.5 if contact.mirrored else 1.0)
     weights, trace = sampling.weights, (values @ trace).tocsr()
     points = Gather(np.arange(len(weights)), len(weights))
     means = _facet_means(own, facets, own.weights, sampling.spread)
@@ -341,11 +342,6 @@ def _nodes_opposite_meshless(
         gathered=sampling.gathered,
         centres=values @ own.points.x,
     )
-
-
-def _mirrored(contact: Contact) -> bool:
-    """Whether a contact is that of a body with its mirror image."""
-    return any(body.mesh is None and body.mirrors for body, _ in contact.sides)
 
 
 def _half(law: Layer) -> Layer:
@@ -380,7 +376,7 @@ def _between_meshless(contact: Contact, bodies: tuple[int, int]) -> Interface:
         _side_of_points(contact, side, bodies[side], (x, -outward if side == owner else outward), weights)
         for side in (0, 1)
     ]
-    given = PrescribedGap(x, None, part=0.5 if _mirrored(contact) else 1.0)
+    given = PrescribedGap(x, None, part=0.5 if contact.mirrored else 1.0)
     return Interface(
         contact.frozen(),
         x,

@@ -44,7 +44,7 @@ class ContactSurface:
         self.points = surface_points(body.mesh.domain, self.entities, points)
         self.areas = (self.points.area.reshape(-1, len(points)) * weights).ravel()
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
-        self.trace = surface_trace(body.space, self.entities, points, self.points.normal)
+        self.trace = self._trace(self.points.normal)
 
     def copied(self, body: Body, isometry: Isometry) -> ContactSurface:
         """The same surface of a body on a copy of the mesh, of the same degree."""
@@ -61,16 +61,16 @@ class ContactSurface:
         other = copy(self)
         other.across = across
         vars(other).pop("nodal_trace", None)
-        other.trace = surface_trace(
-            self.body.space, self.entities, self._reference, other._directed(self.points.normal)
-        )
+        other.trace = self._trace(other._directed(self.points.normal))
         return other
 
     def trace_along(self, axis: Floats) -> scipy.sparse.csr_matrix:
         """The operator (n, dofs) to the displacement along an axis (dim,)."""
-        return surface_trace(
-            self.body.space, self.entities, self._reference, np.broadcast_to(axis, self.points.normal.shape)
-        )
+        return self._trace(np.broadcast_to(axis, self.points.normal.shape))
+
+    def _trace(self, directions: Floats) -> scipy.sparse.csr_matrix:
+        """The operator (n, dofs) to the displacements along directions (n, dim)."""
+        return surface_trace(self.body.space, self.entities, self._reference, directions)
 
     def _directed(self, normal: Floats) -> Floats:
         """The directions that displacements are counted along where the normals are these, (n, dim)."""

@@ -274,39 +274,33 @@ class Run:
         return "the energy is no finite number"
 
     def _coefficients(self) -> dict[int, Floats]:
-        """φ^k at the points of every interface; NotANumberError where it is none."""
-        if self.scheme.pointwise and not self._sliding:
-            return self._coefficients_at_once()
-        phi, state, reason = {}, self.state, ""
-        for index, interface in enumerate(self.ensemble.interfaces):
-            z, before = state.gaps[index], state.previous_gaps[index]
-            if interface.slides is None:
-                sides = self._sides[index] if self.scheme.two_sided else None
-                values = self.scheme.phi(interface.layer, z, before, interface.x.T, sides)
-            else:  # quadratic: the same in every scheme
-                values = interface.layer.contact_derivative(z)
-            phi[index] = np.minimum(values, RIGID * self._stiffest[index])  # what is not a number stays so
-            if not np.isfinite(phi[index].sum()):
-                reason = reason or _no_coefficient(interface, phi[index], z)
-        reason = self._ranks.any_says(reason)
-        if reason:
-            raise NotANumberError(reason)
-        return phi
-
-    def _coefficients_at_once(self) -> dict[int, Floats]:
-        """The same where it depends on nothing but the law and the gaps at each point."""
-        ensemble, state, coefficient = self.ensemble, self.state, self.scheme.coefficient
-        gaps, before = joined(state.gaps), joined(state.previous_gaps)
-        values = ensemble.by_law(lambda law, z, last: coefficient(law, z, last, NO_PLACES), gaps, before)
-        values = np.minimum(values, RIGID * joined(self._stiffest))  # what is not a number stays so
-        phi, reason = ensemble.by_interface(values), ""
-        if not math.isfinite(float(values.sum())):
-            contacts = zip(ensemble.interfaces, phi, state.gaps, strict=True)
-            reason = next(_no_coefficient(*each) for each in contacts if not np.isfinite(each[1].sum()))
+        """φ^k at the points of every interface, bounded; NotANumberError where it is none."""
+        at_once, count = self.scheme.pointwise and not self._sliding, len(self._stiffest)
+        found = self._pointwise() if at_once else map(self._of_contact, range(count))
+        phi = [np.minimum(values, RIGID * most) for values, most in zip(found, self._stiffest, strict=True)]
+        reason = ""
+        for interface, values, z in zip(self.ensemble.interfaces, phi, self.state.gaps, strict=True):
+            if not reason and not math.isfinite(float(values.sum())):  # what is not a number stays so
+                reason = _no_coefficient(interface, values, z)
         reason = self._ranks.any_says(reason)
         if reason:
             raise NotANumberError(reason)
         return dict(enumerate(phi))
+
+    def _of_contact(self, index: int) -> Floats:
+        """φ^k of one interface, (points,) or a row for each body."""
+        interface, z = self.ensemble.interfaces[index], self.state.gaps[index]
+        if interface.slides is not None:  # quadratic: the same in every scheme
+            return interface.layer.contact_derivative(z)
+        sides = self._sides[index] if self.scheme.two_sided else None
+        return self.scheme.phi(interface.layer, z, self.state.previous_gaps[index], interface.x.T, sides)
+
+    def _pointwise(self) -> list[Floats]:
+        """The same of all interfaces at once, where it depends on nothing but the law and the gaps at each point."""
+        gaps, before = joined(self.state.gaps), joined(self.state.previous_gaps)
+        coefficient = self.scheme.coefficient
+        values = self.ensemble.by_law(lambda law, z, last: coefficient(law, z, last, NO_PLACES), gaps, before)
+        return self.ensemble.by_interface(values)
 
     def _correction(
         self, phi: dict[int, Floats], residual: Floats, scale: float, survive: bool

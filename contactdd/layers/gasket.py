@@ -16,7 +16,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.arrays import Floats
+from ..base.arrays import TINY, Floats
 from ..base.checks import as_floats, positive
 from ..layer import Layer
 
@@ -278,7 +278,7 @@ class GasketAtPoints(Layer):
         )
         rise = np.where(same, slopes * (known - before), rise + self._of(self._slopes, last) * (known - start))
         beyond, origin = np.maximum(deep, self._height), np.maximum(shallow, self._height)
-        loading = self.gasket.loading._secant(self._total(beyond), np.maximum(self._total(origin), TINY))
+        loading = self.gasket.loading._secant(self._total(beyond), np.maximum(self._total(origin), TINY))  # not at zero
         width = deep - shallow
         mixed = np.divide(rise + loading * (beyond - origin), width, out=np.array(slopes), where=width > 0)
         return np.where(shallow >= self._height, loading, np.where(same & (deep <= self._height), slopes, mixed))
@@ -329,10 +329,6 @@ class GasketAtPoints(Layer):
     def _of(table: Floats, piece: Any) -> Floats:
         """The entries (…, n) of a table (n, k) at each point's piece (…, n)."""
         return table[np.arange(len(table)), piece]
-
-
-#: The least argument of a law's secant, which is not asked for at zero.
-TINY = float(np.finfo(float).tiny)
 
 
 def _pairs(unloading: Any) -> list[tuple[ArrayLike, ArrayLike]]:

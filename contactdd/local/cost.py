@@ -66,8 +66,9 @@ class Size:
     touched: int
 
     @classmethod
-    def of(cls, body: Body, touched: int) -> Size:
-        """The size of a body of which contacts touch so many unknowns."""
+    def of(cls, body: Body, sides: Sequence[tuple[int, InterfaceSide]]) -> Size:
+        """The size of a body; sides: those at which contacts touch it."""
+        touched = len(np.unique(np.concatenate([side.trace.indices for _, side in sides])))
         return cls(body.dofs, body.mesh.cells * body.elements.element.dim**3 / body.dofs, touched)
 
 
@@ -93,13 +94,12 @@ def cheapest_solver(body: Body, sides: Sequence[tuple[int, InterfaceSide]], copi
     """
     if body.mesh.cells * body.elements.element.dim <= ALWAYS_CONDENSED or body.dofs <= ALWAYS_CONDENSED:
         return Choice("condensed")
-    touched = len(np.unique(np.concatenate([side.trace.indices for _, side in sides])))
-    wanted, there = factor_bytes(body.mesh.dim, body.dofs) + DENSE_COPIES * 8 * touched**2, available_bytes()
+    size = Size.of(body, sides)
+    wanted, there = factor_bytes(body.mesh.dim, body.dofs) + DENSE_COPIES * 8 * size.touched**2, available_bytes()
     if wanted > 0.5 * there:
         return Choice("multigrid", f"auto: multigrid for {body.name!r}, factoring it takes {wanted / 2**30:.1f} GiB")
     if body.mesh.dim == 2:
         return Choice("condensed")
-    size = Size.of(body, touched)
     once, each = condensing_seconds(size), dense_seconds(size)
     condensed, multigrid = once / copies + each, multigrid_seconds(size) * (1 - SETTING_UP + SETTING_UP / copies)
     chosen = "multigrid" if multigrid < CLEARLY * condensed else "condensed"

@@ -15,7 +15,7 @@ import numpy as np
 from ..base.arrays import Floats
 from ..body import Body
 from .copies import loaded_alike
-from .forms import eigenstrain_energy, eigenstrain_vector, load_vector
+from .forms import eigenstrain_energy, load_vectors
 from .problem import ContactTrace, Fields, rigid_motions
 from .rigid import RigidMotions, allowed_motions
 from .space import admissible_space
@@ -83,9 +83,9 @@ class DiscreteBody:
 
     def _set_loads(self) -> None:
         """Set what follows from the loads and prescribed displacements."""
-        self.load = load_vector(self.body)
-        if self.body.has_eigenstrain:
-            self.released = eigenstrain_vector(self.body), eigenstrain_energy(self.body)
+        self.load, strains = load_vectors(self.body)
+        if strains is not None:
+            self.released = strains, eigenstrain_energy(self.body)
         self.free_load = self.space.restricted(self.load)
         self.constant = 0.0
         if self.space.has_offset:

@@ -21,7 +21,7 @@ from ..base.arrays import Floats
 from ..base.checks import finite
 from ..body import Body
 from ..kinematics import KINEMATICS
-from ..load import BodyLoad, Load, Pressure
+from ..load import BodyLoad, Load, Pressure, is_eigenstrain
 from ..parameter import current
 
 
@@ -42,16 +42,16 @@ def spring_matrix(body: Body) -> scipy.sparse.csr_matrix:
     return sum((_matrix(compat.form(form)) for form in forms), scipy.sparse.csr_matrix((body.dofs, body.dofs)))
 
 
-def load_vector(body: Body) -> Floats:
-    """l(v) for all degrees of freedom."""
-    return sum((one_load(body, load) for load in body.loads), np.zeros(body.dofs))
-
-
-def eigenstrain_vector(body: Body) -> Floats:
-    """The part of l(v) that eigenstrains are, for all degrees of freedom."""
-    strain = body.eigenstrain()
-    form = compat.form(body.eigenstrain_form(strain, ufl.TestFunction(body.space)))
-    return fem.assemble_vector(form).array
+def load_vectors(body: Body) -> tuple[Floats, Floats | None]:
+    """l(v) for all degrees of freedom, and the part of it that eigenstrains are; None without any."""
+    total: Floats = np.zeros(body.dofs)
+    strains: Floats | None = None
+    for load in body.loads:
+        vector = one_load(body, load)
+        total = total + vector
+        if is_eigenstrain(load):
+            strains = vector if strains is None else strains + vector
+    return total, strains
 
 
 def eigenstrain_energy(body: Body) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..base.arrays import Floats, Indices, Operator, slices
+from ..base.arrays import TINY, Floats, Indices, Operator, slices
 from ..base.null_space import NullSpace, Rows, compressed, null_space
 from ..base.sparse import along_diagonal
 from ..errors import LooseBodyError
@@ -246,7 +246,7 @@ class ManyMotions:
         """The motions that change no gap and meet no spring, whatever φ is."""
         rows = [_compressed(coupling.rows) for coupling in self._couplings]
         for body, each in enumerate(self._motions):
-            springs = np.linalg.norm(each.springs, axis=0) / max(self.stiffness_scale, np.finfo(float).tiny)
+            springs = np.linalg.norm(each.springs, axis=0) / max(self.stiffness_scale, TINY)
             rows.append({body: np.diag(springs)})
         largest = max(float(np.abs(part).max(initial=0.0)) for block in rows for part in block.values())
         return null_space(rows, self._sizes, 1e-10 * largest)

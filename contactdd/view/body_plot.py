@@ -94,15 +94,11 @@ def plot_bodies(
         for body, value in zip(bodies, values, strict=True):
             mesh = grid(body, body.drawn(scale))
             mesh.point_data[name] = value
-            mesh = swept(mesh, sweep) if sweep else mesh
+            shapes = [mesh, grid(body, body.points)] if undeformed else [mesh]
+            mesh, *before = [swept(shape, sweep) for shape in shapes] if sweep else shapes
             bar = _bar_arguments(name, labels)
             plotter.add_mesh(mesh, scalars=name, clim=limits, cmap=MAP, scalar_bar_args=bar, lighting=False)
-            plotter.add_mesh(_outline(mesh, flat).translate(nearer), color="black", line_width=2)
-            if edges:
-                plotter.add_mesh(_cell_edges(mesh).translate(nearer), color="black", line_width=1, opacity=0.5)
-            if undeformed:
-                before = grid(body, body.points)
-                plotter.add_mesh(_outline(swept(before, sweep) if sweep else before, flat), color="grey", line_width=1)
+            _add_lines(plotter, mesh, before, nearer, flat=flat, edges=edges)
         plotter.add_text(
             title or f"displacements enlarged {scale:g} times", font_size=11, color="black", position="upper_edge"
         )
@@ -213,6 +209,15 @@ def _outline(mesh: Any, flat: bool) -> Any:
     return _surface(mesh, 1).extract_feature_edges(
         manifold_edges=False, feature_edges=not flat, boundary_edges=True, non_manifold_edges=False
     )
+
+
+def _add_lines(plotter: Any, mesh: Any, before: Sequence[Any], nearer: Floats, *, flat: bool, edges: bool) -> None:
+    """Draw the outline of a body, its cells' edges if asked for, and the outlines that it had before."""
+    plotter.add_mesh(_outline(mesh, flat).translate(nearer), color="black", line_width=2)
+    if edges:
+        plotter.add_mesh(_cell_edges(mesh).translate(nearer), color="black", line_width=1, opacity=0.5)
+    for shape in before:
+        plotter.add_mesh(_outline(shape, flat), color="grey", line_width=1)
 
 
 def _cell_edges(mesh: Any) -> Any:

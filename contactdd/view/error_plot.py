@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LogNorm
 
-from ..base.arrays import Floats
+from ..base.arrays import TINY, Floats
 from ..contact_result import ContactResult
 from .contact_plot import natural_place, place
 from .picture import BLUE, MAP, RED, Figure, with_unit
@@ -81,7 +81,7 @@ def _draw_contact(axes: Any, contact: ContactError, stress: str | None, length: 
     axes.set_xlabel(with_unit(along, length))
     axes.set_ylabel(with_unit("contact pressure", stress), color=BLUE)
     other = axes.twinx()
-    largest = max(float(error.max()), np.finfo(float).tiny)
+    largest = max(float(error.max()), TINY)
     other.semilogy(s, np.where(error > largest * 10.0**-DECADES, error, np.nan), color=RED, **lines)
     other.set_ylabel(with_unit("its error", stress), color=RED)
     for each in (axes, other):
@@ -90,7 +90,7 @@ def _draw_contact(axes: Any, contact: ContactError, stress: str | None, length: 
 
 
 def _draw_bodies(figure: Any, axes: Any, bodies: Sequence[CellErrors], stress: str | None, length: str | None) -> None:
-    largest = max(*(float(body.densities.max()) for body in bodies), np.finfo(float).tiny)
+    largest = max(*(float(body.densities.max()) for body in bodies), TINY)
     least = largest * 10.0**-DECADES
     for body in bodies:
         cells = PolyCollection(list(body.outlines), cmap=MAP, norm=LogNorm(least, largest), edgecolors="face")
