@@ -25,7 +25,7 @@ from .iteration.checkpoint import CheckpointWriter, closures, read
 from .iteration.interruption import interrupts_agreed
 from .iteration.progress import Progress
 from .iteration.run import Run
-from .iteration.step import find_step
+from .iteration.step import Step, find_step
 from .iteration.stopping import StoppingCriterion, Termination
 from .relaxation import Gamma, Relaxation, relaxations
 from .scene import Scene
@@ -171,14 +171,7 @@ def solve(
     step = find_step(scheme, ensemble, ranks)
     if local_solver == "auto" and scene.estimates:
         step.note = ", ".join(filter(None, (step.note, *scene.estimates)))
-    run: Run | AugmentedRun
-    if saved is not None:
-        run = Run(ensemble, ranks, scheme, step, *read(saved, ensemble, scheme.name, ranks))
-    else:
-        if isinstance(start, Solution):
-            _warn_of_forgotten(scene, start)
-        first = _start(ensemble, scene, scheme, gamma, start, previous)
-        run = (AugmentedRun if _is_hard(scene) else Run)(ensemble, ranks, scheme, step, first)
+    run = _begun(scene, ensemble, scheme, step, saved, gamma, start, previous)
     writer = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
     with Progress(shown, rule.tolerance, rule.criterion) as bar, writer or nullcontext():
         deadline = time.monotonic() + seconds
@@ -196,6 +189,25 @@ def solve(
     if on_failure == "raise":
         _raise_failure(solution, ending)
     return solution
+
+
+def _begun(
+    scene: Scene,
+    ensemble: Ensemble,
+    scheme: Scheme,
+    step: Step,
+    saved: Path | None,
+    gamma: Gamma | None,
+    start: starts.Given | Solution | None,
+    previous: starts.Given | None,
+) -> Run | AugmentedRun:
+    """The run at its first iterate, or as a checkpoint has kept it."""
+    if saved is not None:
+        return Run(ensemble, scene.ranks, scheme, step, *read(saved, ensemble, scheme.name, scene.ranks))
+    if isinstance(start, Solution):
+        _warn_of_forgotten(scene, start)
+    first = _start(ensemble, scene, scheme, gamma, start, previous)
+    return (AugmentedRun if _is_hard(scene) else Run)(ensemble, scene.ranks, scheme, step, first)
 
 
 def _remembering(scene: Scene, file: Path) -> Scene:
@@ -221,7 +233,7 @@ def _warn_of_forgotten(scene: Scene, start: Solution) -> None:
                 f"start: the gasket of contact {interface.contact.name!r} was closed up to {there.max():.6g} in it, "
                 f"and the scene's remembers {here.max():.6g}; start.scene_after is the scene that goes on from there",
                 ContactWarning,
-                stacklevel=4,  # `solve` and its decorator are between
+                stacklevel=5,  # `_begun`, `solve` and its decorator are between
             )
 
 
