@@ -115,10 +115,10 @@ class LoadPath:
         return plot_steps([solution.contact(contact) for solution in self._kept()], self._labels(), **options)
 
     def plot_bodies(self, **options: Any) -> Any:
-        """A matplotlib figure of the bodies of all steps beside each other, drawn alike.
+        """A matplotlib figure of the bodies of all steps beside each other, drawn alike, with one bar.
 
         Args:
-            options: `columns`, `path`, and those of `Solution.plot_bodies`.
+            options: `columns`, and those of `Solution.plot_bodies` but `title`.
 
         Raises:
             ValueError: The path kept no solutions.
@@ -128,14 +128,15 @@ class LoadPath:
         return plot_multiples(self._bodies(), self._labels(), **options)
 
     def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
-        """The GIF written, one frame a step.
+        """The GIF or MP4 written, one frame a step.
 
         Args:
-            path: The path of the file, which ends in .gif.
-            options: `per_second`, and those of `Solution.plot_bodies`.
+            path: The path of the file, which ends in .gif or .mp4.
+            options: `per_second`, and those of `Solution.plot_bodies` but `title` and `path`.
 
         Raises:
-            ValueError: The path kept no solutions.
+            ValueError: The path kept no solutions, or the file ends otherwise.
+            RuntimeError: An MP4 needs ffmpeg, which is not there.
         """
         from .view.path_plot import animate
 

@@ -498,8 +498,8 @@ class Solution:
 
         Args:
             bodies: Names of bodies or the bodies themselves; by default all that have a mesh.
-            options: `component`, `scale`, `limits`, `camera`, `zoom`, `edges`, `undeformed`, `sweep`, `unit`, `path`,
-                `size`, `title`, see `view.body_plot.plot_bodies`.
+            options: `component`, `scale`, `limits`, `camera`, `zoom`, `focus`, `edges`, `undeformed`, `sweep`, `unit`,
+                `path`, `size`, `title`, see `view.body_plot.plot_bodies` and `drawing`.
         """
         from .view.body_plot import plot_bodies
 

@@ -1,19 +1,24 @@
-"""Pictures of deformed bodies (pyvista, off screen)."""
+"""Pictures of deformed bodies: what is drawn of them, and the frame around it with title, axes and bar (matplotlib)."""
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.ticker import MaxNLocator
 
 from ..base.arrays import TINY, Floats
 from ..base.checks import check_choice, finite, positive
 from ..body_result import BodyResult
 from ..kinematics import STRESSES
-from .picture import MAP, Picture, with_unit
+from .interactive import image, turnable
+from .picture import MAP, Picture, short_numbers, with_unit
+from .render import Coloured, View, pixels, plotted
 
 COMPONENTS = (*STRESSES, "von Mises", "displacement")
 
@@ -31,7 +36,69 @@ CAMERAS = {
 FLAT = CAMERAS["top"]
 
 
+#: What the stresses are called around an axis.
+RING_STRESSES = {"xx": "radial", "yy": "axial", "zz": "hoop", "xy": "radial-axial shear", "yz": "yz", "xz": "xz"}
+
+
+#: What the frame takes of the height above and below the bodies, in inches; the width of a picture, in inches.
+TITLE, BAR, WIDTH = 0.4, 0.85, 8.0
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """What is drawn of bodies: view: how; component: what colours them; label: of the bar; names: of the three axes."""
+
+    view: View
+    component: str
+    label: str
+    names: str
+
+    def coloured(self, bodies: Sequence[BodyResult]) -> list[Coloured]:
+        """The bodies with their colours."""
+        return [Coloured(body, shown(body, self.component)) for body in bodies]
+
+
 def plot_bodies(
+    bodies: Sequence[BodyResult],
+    *,
+    path: str | Path | None = None,
+    size: tuple[int, int] = (1200, 800),
+    title: str | None = None,
+    **options: Any,
+) -> Picture:
+    """A picture of deformed bodies coloured by a stress.
+
+    Args:
+        bodies: to be drawn.
+        path: where it is also saved; in vector formats the bodies are pixels, all else is vectors.
+        size: width and height in pixels.
+        title: by default how many times the displacements are enlarged.
+        options: of `drawing`.
+
+    Raises:
+        ValueError: for an unknown component or camera.
+        RuntimeError: where nothing can draw.
+    """
+    drawn = drawing(bodies, **options)
+    picture = framed([bodies], [title or f"displacements enlarged {drawn.view.scale:g} times"], drawn, size, path=path)
+    if bodies[0].dim == 3 or drawn.view.sweep:
+        picture.turned = lambda: _turned(picture, drawn.coloured(bodies), drawn.view)
+    return picture
+
+
+def _turned(picture: Picture, bodies: Sequence[Coloured], view: View) -> str | None:
+    """The bodies in a frame that turns them, between the picture's title and its bar."""
+    pixels = picture.pixels
+    above, below = round(TITLE * picture.dpi), round(BAR * picture.dpi)
+    height, width, _ = pixels.shape
+    size = width, height - above - below
+    frame = turnable(lambda: plotted(bodies, view, size), size)
+    bar = pixels[-below:].copy()
+    bar[:, : width // 6] = 255  # the axes, which turn
+    return frame and "<br>".join([image(pixels[:above]), frame, image(bar)])
+
+
+def drawing(
     bodies: Sequence[BodyResult],
     *,
     component: str | None = None,
@@ -39,17 +106,15 @@ def plot_bodies(
     limits: tuple[float, float] | None = None,
     camera: str | tuple[float, float, float] = "corner",
     zoom: float = 1.0,
+    focus: Sequence[float] | None = None,
     edges: bool = False,
     undeformed: bool = False,
     sweep: float = 0.0,
     unit: str | None = None,
-    path: str | Path | None = None,
-    size: tuple[int, int] = (1200, 800),
-    title: str | None = None,
-) -> Picture:
-    """A picture of deformed bodies coloured by a stress.
+) -> Drawing:
+    """What is drawn of bodies, or of those of several steps.
 
-    Colours are those of the bar: nothing is lit. Gaps are enlarged as the displacements are, see `SurfaceFit`.
+    Gaps are enlarged as the displacements are, see `SurfaceFit`.
 
     Args:
         bodies: to be drawn.
@@ -59,65 +124,83 @@ def plot_bodies(
         limits: of the bar; by default round numbers around what is drawn.
         camera: how a solid is looked at: "corner", "front", "side", "top" or a direction (x, y, z) to look from.
         zoom: how much larger than what fits.
+        focus: the point of the undeformed bodies that the middle of the picture shows, (x, y) or (x, y, z); by default
+            their own middle.
         edges: whether the cells' edges are drawn.
         undeformed: whether the outline before deformation is drawn.
         sweep: through how many degrees bodies of revolution are turned about their axis; 0 draws their meridian.
         unit: of what is shown, for the bar.
-        path: where it is also saved.
-        size: width and height in pixels.
-        title: by default how many times the displacements are enlarged.
-
-    Raises:
-        ValueError: for an unknown component or camera.
-        RuntimeError: where nothing can draw.
     """
-    import pyvista
-
-    from .display import display
-
     component = normal_component(bodies) if component is None else check_choice("component", component, COMPONENTS)
     check_sweep(bodies, sweep)
-    flat = bodies[0].dim == 2 and not sweep
-    direction = FLAT if flat else _direction(camera)
-    zoom = positive("zoom", zoom)
+    limits = round_limits([shown(body, component) for body in bodies]) if limits is None else limits
+    towards, up = FLAT if bodies[0].dim == 2 and not sweep else _direction(camera)
     scale = visible_scale(bodies) if scale is None else scale
-    name = with_unit(component if component == "displacement" else f"stress {component}", unit)
-    points = _in_space(np.vstack([body.drawn(scale) for body in bodies]))
-    points = turned(points, sweep) if sweep else points
-    values = [shown(body, component) for body in bodies]
-    limits, labels = (limits, 5) if limits is not None else round_limits(values)
-    with display():
-        plotter = pyvista.Plotter(off_screen=True, window_size=list(size))
-        plotter.set_background("white")
-        # Lines are a little nearer to the eye than the surfaces that they are on, which moves nothing in the picture.
-        nearer = 3e-3 * float(np.ptp(points, axis=0).max()) * np.asarray(direction[0]) / np.linalg.norm(direction[0])
-        for body, value in zip(bodies, values, strict=True):
-            mesh = grid(body, body.drawn(scale))
-            mesh.point_data[name] = value
-            shapes = [mesh, grid(body, body.points)] if undeformed else [mesh]
-            mesh, *before = [swept(shape, sweep) for shape in shapes] if sweep else shapes
-            bar = _bar_arguments(name, labels)
-            plotter.add_mesh(mesh, scalars=name, clim=limits, cmap=MAP, scalar_bar_args=bar, lighting=False)
-            _add_lines(plotter, mesh, before, nearer, flat=flat, edges=edges)
-        plotter.add_text(
-            title or f"displacements enlarged {scale:g} times", font_size=11, color="black", position="upper_edge"
-        )
-        plotter.add_axes(color="black", line_width=3, zlabel="" if flat else "z")
-        _look(plotter, points, direction, zoom)
-        pixels = plotter.screenshot(return_img=True)
-        plotter.close()
-    picture = Picture(np.asarray(pixels)[:, :, :3])
+    middle = None if focus is None else _point(focus, 3 if sweep else bodies[0].dim)
+    view = View(towards, up, scale, limits, positive("zoom", zoom), middle, edges, undeformed, sweep)
+    rings = all(body.ring for body in bodies)
+    label = with_unit(named(component, rings), unit)
+    return Drawing(view, component, label, "rz " if rings and not sweep else "xyz")
+
+
+def named(component: str, rings: bool) -> str:
+    """What is shown, in words."""
+    if component in STRESSES:
+        return f"{RING_STRESSES[component]} stress" if rings else f"stress {component}"
+    return component if component == "displacement" else f"{component} stress"
+
+
+def framed(
+    steps: Sequence[Sequence[BodyResult]],
+    titles: Sequence[str],
+    drawn: Drawing,
+    size: tuple[int, int],
+    *,
+    columns: int = 1,
+    path: str | Path | None = None,
+) -> Picture:
+    """One panel for each step, with its title, and below the axes' directions and one bar for all.
+
+    size: (width, height) of the figure in pixels.
+    """
+    width, height = size
+    dpi = width / WIDTH
+    rows = -(-len(steps) // columns)
+    above, below = round(TITLE * dpi), round(BAR * dpi)
+    panel = width // columns, (height - below) // rows - above
+    picture = Picture(figsize=(width / dpi, height / dpi), dpi=dpi)
+    for index, (bodies, title) in enumerate(zip(steps, titles, strict=True)):
+        row, column = divmod(index, columns)
+        corner = column * panel[0], height - (row + 1) * (panel[1] + above)
+        axes = picture.add_axes((corner[0] / width, corner[1] / height, panel[0] / width, panel[1] / height))
+        axes.imshow(pixels(drawn.coloured(bodies), drawn.view, panel), interpolation="none", aspect="auto")
+        axes.set_axis_off()
+        axes.set_title(title, fontsize=12 if columns == 1 else 10)
+    _draw_directions(picture.add_axes((0.03, 0.05 * below / height, 0.1, 0.9 * below / height)), drawn)
+    bar = picture.add_axes((0.25, 0.58 * below / height, 0.5, 0.2 * below / height))
+    _draw_bar(picture, bar, drawn)
     if path is not None:
         picture.save(path)
     return picture
 
 
-def grid(body: BodyResult, points: Floats) -> Any:
-    """A body as a pyvista grid with its nodes at the given points (n, dim)."""
-    import pyvista
+def _draw_bar(picture: Picture, axes: Any, drawn: Drawing) -> None:
+    mapped = ScalarMappable(Normalize(*drawn.view.limits), MAP)
+    bar = picture.colorbar(mapped, cax=axes, orientation="horizontal", label=drawn.label)
+    bar.locator = MaxNLocator(nbins=6, steps=[1, 2, 2.5, 5, 10])
+    short_numbers(bar.ax.xaxis)
 
-    cells = np.insert(body.cells, 0, body.cells.shape[1], axis=1).ravel()
-    return pyvista.UnstructuredGrid(cells, np.full(len(body.cells), body.cell_type, dtype=np.uint8), _in_space(points))
+
+def _draw_directions(axes: Any, drawn: Drawing) -> None:
+    """Arrows along the axes as they are seen; one that points to the eye is left out."""
+    seen = 0.7 * np.eye(3) @ drawn.view.screen.T
+    low, high = np.minimum(seen.min(axis=0), 0.0) - 0.3, np.maximum(seen.max(axis=0), 0.0) + 0.3
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
+    axes.set_axis_off()
+    for end, name in zip(seen, drawn.names, strict=True):
+        if np.linalg.norm(end) > 0.1:
+            axes.annotate("", end, (0, 0), arrowprops={"arrowstyle": "->", "shrinkA": 0, "shrinkB": 0})
+            axes.annotate(name, 1.25 * end, ha="center", va="center")
 
 
 def check_sweep(bodies: Sequence[BodyResult], sweep: float) -> None:
@@ -126,27 +209,6 @@ def check_sweep(bodies: Sequence[BodyResult], sweep: float) -> None:
         raise ValueError(f"sweep = {sweep!r}: expected an angle from 0 to 360 degrees")
     if sweep and not all(body.ring for body in bodies):
         raise ValueError(f"sweep = {sweep!r}: expected bodies of revolution only, or 0")
-
-
-def turned(points: Floats, sweep: float) -> Floats:
-    """Points (r, y, 0) of a meridian at angles through the sweep, the axis as z."""
-    angles = np.radians(np.linspace(0.0, sweep, 1 + max(int(np.ceil(sweep / 5.0)), 1)))
-    r, y = points[:, 0], points[:, 1]
-    return np.concatenate([np.column_stack([r * np.cos(a), r * np.sin(a), y]) for a in angles])
-
-
-def swept(mesh: Any, sweep: float) -> Any:
-    """The surface of a body of revolution, from its meridian as a pyvista grid, the axis as z."""
-    meridian = _surface(mesh, 2).triangulate()
-    # Else neighbouring cells that are numbered in opposite senses would seem to meet at an edge.
-    meridian = meridian.compute_normals(point_normals=False, consistent_normals=True, split_vertices=False)
-    meridian.points = np.asarray(meridian.points)[:, [0, 2, 1]]
-    return meridian.extrude_rotate(angle=sweep, resolution=1 + int(sweep / 2.0), capping=sweep < 360.0).clean()
-
-
-def _in_space(points: Floats) -> Floats:
-    """Points (n, 2) of the plane or (n, 3) of space as points of space."""
-    return np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
 
 
 def shown(body: BodyResult, component: str) -> Floats:
@@ -175,17 +237,23 @@ def visible_scale(bodies: Sequence[BodyResult]) -> float:
     return float(np.floor(wanted / power) * power)
 
 
-def round_limits(values: Sequence[Floats]) -> tuple[tuple[float, float], int]:
-    """Round numbers around all values, and how many labels between them are round too."""
+def round_limits(values: Sequence[Floats]) -> tuple[float, float]:
+    """Numbers of two digits around all values; around equal ones a tenth of them."""
     low, high = min(float(value.min()) for value in values), max(float(value.max()) for value in values)
-    # Stresses that are equal but for rounding are one number.
-    spread = max(high - low, 1e-6 * max(abs(low), abs(high)), TINY)
-    power = 10.0 ** np.floor(np.log10(spread / 4.0))
-    step = next(power * factor for factor in (1.0, 2.0, 2.5, 5.0, 10.0) if spread / (power * factor) <= 5.0)
-    first, last = np.floor(low / step + 1e-9), np.ceil(high / step - 1e-9)
-    if last <= first:
-        last = first + 1.0
-    return (float(first * step), float(last * step)), int(last - first) + 1
+    size = max(abs(low), abs(high))
+    if high - low <= 1e-6 * size:  # equal but for rounding
+        low, high = low - 0.1 * size, high + 0.1 * size
+    step = 10.0 ** np.floor(np.log10(max(high - low, TINY)) - 1.0)
+    first, last = np.floor(low / step + 1e-6), np.ceil(high / step - 1e-6)
+    return float(first * step), float(max(last, first + 1.0) * step)
+
+
+def _point(focus: Sequence[float], dim: int) -> tuple[float, ...]:
+    """A point of space from one of `dim` coordinates, checked."""
+    point = np.asarray(focus, dtype=float)
+    if point.shape != (dim,) or not np.all(np.isfinite(point)):
+        raise ValueError(f"focus = {focus!r}: expected the {dim} coordinates of a point")
+    return tuple(np.pad(point, (0, 3 - dim)))
 
 
 def _direction(camera: str | tuple[float, float, float]) -> tuple[Any, Any]:
@@ -196,60 +264,4 @@ def _direction(camera: str | tuple[float, float, float]) -> tuple[Any, Any]:
     if towards.shape != (3,) or not np.all(np.isfinite(towards)) or not towards.any():
         raise ValueError(f"camera = {camera!r}: expected one of {', '.join(CAMERAS)} or a direction (x, y, z)")
     steep = abs(towards[2]) > 0.99 * np.linalg.norm(towards)
-    return towards, (0.0, 1.0, 0.0) if steep else (0.0, 0.0, 1.0)
-
-
-def _surface(mesh: Any, subdivision: int) -> Any:
-    """The faces around a mesh, curved ones in pieces; newer pyvistas want to be told how they are found."""
-    known = "algorithm" in inspect.signature(mesh.extract_surface).parameters
-    return mesh.extract_surface(nonlinear_subdivision=subdivision, **{"algorithm": "dataset_surface"} if known else {})
-
-
-def _outline(mesh: Any, flat: bool) -> Any:
-    return _surface(mesh, 1).extract_feature_edges(
-        manifold_edges=False, feature_edges=not flat, boundary_edges=True, non_manifold_edges=False
-    )
-
-
-def _add_lines(plotter: Any, mesh: Any, before: Sequence[Any], nearer: Floats, *, flat: bool, edges: bool) -> None:
-    """Draw the outline of a body, its cells' edges if asked for, and the outlines that it had before."""
-    plotter.add_mesh(_outline(mesh, flat).translate(nearer), color="black", line_width=2)
-    if edges:
-        plotter.add_mesh(_cell_edges(mesh).translate(nearer), color="black", line_width=1, opacity=0.5)
-    for shape in before:
-        plotter.add_mesh(_outline(shape, flat), color="grey", line_width=1)
-
-
-def _cell_edges(mesh: Any) -> Any:
-    return _surface(mesh, 0).extract_all_edges()
-
-
-def _look(plotter: Any, points: Floats, direction: tuple[Any, Any], zoom: float) -> None:
-    """Let everything fit between the title and the scalar bar: seven tenths of the height, nine of the width."""
-    plotter.enable_parallel_projection()
-    towards = np.asarray(direction[0], dtype=float) / np.linalg.norm(direction[0])
-    right = np.cross(direction[1], towards)
-    right /= np.linalg.norm(right)
-    up = np.cross(towards, right)
-    seen = points @ np.stack([right, up]).T
-    low, high = seen.min(axis=0), seen.max(axis=0)
-    width, height = plotter.window_size
-    half = max((high[1] - low[1]) / 0.7, (high[0] - low[0]) / 0.9 * height / width) / (2 * zoom)
-    across, depth = (low + high) / 2 - [0.0, 0.1 * half], points @ towards
-    focus = across @ np.stack([right, up]) + depth.mean() * towards
-    plotter.camera.focal_point = focus
-    plotter.camera.position = focus + (np.ptp(depth) + 10 * half) * towards
-    plotter.camera.up = up
-    plotter.camera.parallel_scale = half
-    plotter.renderer.ResetCameraClippingRange()
-
-
-def _bar_arguments(name: str, labels: int) -> dict[str, Any]:
-    return {
-        "title": f"{name}\n",  # the line break keeps the title clear of the numbers
-        "color": "black",
-        "n_labels": labels,
-        "fmt": "%.4g",
-        "position_x": 0.25,
-        "position_y": 0.05,
-    }
+    return tuple(towards), (0.0, 1.0, 0.0) if steep else (0.0, 0.0, 1.0)

@@ -13,8 +13,9 @@ import numpy as np
 from ..base.checks import as_count, positive
 from ..body_result import BodyResult
 from ..contact_result import ContactResult
-from .body_plot import normal_component, plot_bodies, round_limits, shown, visible_scale
+from .body_plot import Drawing, drawing, framed
 from .contact_plot import natural_place, place
+from .movie import WRITERS
 from .picture import MAP, Figure, Picture, with_unit
 
 #: The bodies of every step.
@@ -53,43 +54,40 @@ def plot_steps(
 
 
 def plot_multiples(
-    steps: Steps, labels: Sequence[str], *, columns: int = 3, path: str | Path | None = None, **options: Any
-) -> Figure:
-    """A figure of all steps' bodies beside each other, drawn alike; options: of `plot_bodies`."""
-    pictures = _alike(steps, labels, options)
-    columns = min(as_count("columns", columns), len(pictures))
-    rows = -(-len(pictures) // columns)
-    figure = Figure(figsize=(4.2 * columns, 2.8 * rows), layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for panel, picture in zip(panels, pictures, strict=False):
-        panel.imshow(picture.pixels)
-    for panel in panels:
-        panel.set_axis_off()
-    if path is not None:
-        figure.savefig(path, dpi=200)
-    return figure
+    steps: Steps,
+    labels: Sequence[str],
+    *,
+    columns: int = 3,
+    size: tuple[int, int] | None = None,
+    path: str | Path | None = None,
+    **options: Any,
+) -> Picture:
+    """A picture of all steps' bodies beside each other, drawn alike; size: in pixels; options: of `drawing`."""
+    columns = min(as_count("columns", columns), len(steps))
+    size = size or (1600, 200 - (-len(steps) // columns) * (80 + 1000 // columns))
+    return framed(steps, labels, _alike(steps, options), size, columns=columns, path=path)
 
 
 def animate(
-    steps: Steps, labels: Sequence[str], path: str | PathLike[str], *, per_second: float = 4.0, **options: Any
+    steps: Steps,
+    labels: Sequence[str],
+    path: str | PathLike[str],
+    *,
+    per_second: float = 4.0,
+    size: tuple[int, int] = (1200, 800),
+    **options: Any,
 ) -> Path:
-    """The animation written as a GIF, one frame a step, drawn alike; options: of `plot_bodies`."""
-    from PIL import Image
-
-    file = Path(path)
-    if file.suffix.lower() != ".gif":
-        raise ValueError(f"path = {str(path)!r}: expected a name that ends in .gif")
-    time = 1000.0 / positive("per_second", per_second)
-    first, *others = (Image.fromarray(picture.pixels) for picture in _alike(steps, labels, options))
-    first.save(file, save_all=True, append_images=others, duration=time, loop=0)
+    """The animation written, a GIF or an MP4, one frame a step, drawn alike; options: of `drawing`."""
+    file, per_second = Path(path), positive("per_second", per_second)
+    write = WRITERS.get(file.suffix.lower())
+    if write is None:
+        raise ValueError(f"path = {str(path)!r}: expected a name that ends in .gif or .mp4")
+    drawn = _alike(steps, options)
+    frames = (framed([bodies], [label], drawn, size).pixels for bodies, label in zip(steps, labels, strict=True))
+    write(file, frames, per_second)
     return file
 
 
-def _alike(steps: Steps, labels: Sequence[str], options: Mapping[str, Any]) -> list[Picture]:
-    """The pictures of all steps with one enlargement, one component and one scale of colours."""
-    everything = [body for bodies in steps for body in bodies]
-    component = options.get("component") or normal_component(everything)
-    limits = options.get("limits") or round_limits([shown(body, component) for body in everything])[0]
-    scale = options.get("scale") or visible_scale(everything)
-    common = {**options, "component": component, "limits": limits, "scale": scale}
-    return [plot_bodies(bodies, **{"title": label, **common}) for bodies, label in zip(steps, labels, strict=True)]
+def _alike(steps: Steps, options: Mapping[str, Any]) -> Drawing:
+    """One enlargement, one component and one scale of colours for all steps."""
+    return drawing([body for bodies in steps for body in bodies], **options)
