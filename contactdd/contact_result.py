@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .base.arrays import TINY, Floats
 from .base.checks import as_floats
 from .base.polyline import Polyline, polyline
+from .base.scattered import scattered
 from .base.table import frame, vector_columns, write_csv
 
 
@@ -409,8 +410,6 @@ class ContactResult:
 
     def _across(self, points: Floats, values: dict[str, Floats]) -> dict[str, Floats]:
         """Values interpolated over a surface in space, seen along its mean normal; the nearest beyond its points."""
-        from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
-
         mean = self.weights @ self.normal
         mean /= max(float(np.linalg.norm(mean)), TINY)
         if np.min(self.normal @ mean) < 0.1:
@@ -418,7 +417,5 @@ class ContactResult:
                 "points: the contact surface bends back over itself; expected one that a plane shows whole"
             )
         axes = np.linalg.svd(mean[None])[2][1:]
-        seen, wanted, stacked = self.x @ axes.T, points @ axes.T, np.stack(list(values.values()), axis=1)
-        inside = LinearNDInterpolator(seen, stacked)(wanted)
-        result = np.where(np.isnan(inside), NearestNDInterpolator(seen, stacked)(wanted), inside)
-        return dict(zip(values, result.T, strict=True))
+        found = scattered(self.x @ axes.T, np.stack(list(values.values()), axis=1), points @ axes.T)
+        return dict(zip(values, found.T, strict=True))

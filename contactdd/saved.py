@@ -17,7 +17,7 @@ from .base.arrays import Floats
 from .body_result import BodyResult, SurfaceFit
 from .contact_result import ContactResult, NodalPressure
 from .history import History, Record
-from .surface_result import SurfaceResult, Surfaces
+from .surface_result import SurfaceResult, Surfaces, most_covered
 
 FORMAT = "contactdd solution"
 
@@ -131,7 +131,7 @@ class SavedSolution:
         from .view.contact_plot import plot_contact
 
         surfaces = self.surfaces[self._name(contact)]
-        return plot_contact(self.contact(contact), next(filter(None, surfaces), None), **options)
+        return plot_contact(self.contact(contact), most_covered(surfaces), **options)
 
     def plot_bodies(self, bodies: Sequence[str] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, see `Solution.plot_bodies`.

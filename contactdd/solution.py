@@ -29,7 +29,7 @@ from .history import History
 from .interface.discretise import Interface, discretise
 from .interface.surface import PointSurface
 from .small_strains import StrainSize
-from .surface_result import SurfaceResult, Surfaces
+from .surface_result import SurfaceResult, Surfaces, most_covered
 from .system.ensemble import STRAINING, eigenstrain_load
 from .system.joint_motions import settled
 
@@ -484,14 +484,14 @@ class Solution:
 
         Args:
             contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
-            options: `along`, `about`, `show`, `path`, `stress_unit`, `length_unit`, see
+            options: `along`, `about`, `show`, `whole`, `path`, `stress_unit`, `length_unit`, see
                 `view.contact_plot.plot_contact`.
         """
         from .view.contact_plot import plot_contact
 
         result = self.contact(contact)
-        surfaces = self._surfaces(contact) if result.x.shape[1] == 3 else ()
-        return plot_contact(result, next(filter(None, surfaces), None), **options)
+        surfaces = self._surfaces(contact) if result.x.shape[1] == 3 else (None, None)
+        return plot_contact(result, most_covered(surfaces), **options)
 
     def plot_bodies(self, bodies: Sequence[str | Body] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, or of some, coloured by a stress.

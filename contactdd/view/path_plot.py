@@ -16,7 +16,7 @@ from ..contact_result import ContactResult
 from .body_plot import Drawing, drawing, framed
 from .contact_plot import natural_place, place
 from .movie import WRITERS
-from .picture import MAP, Figure, Picture, with_unit
+from .picture import MAP, Figure, Picture, short_numbers, with_unit
 
 #: The bodies of every step.
 Steps = Sequence[Sequence[BodyResult]]
@@ -37,17 +37,19 @@ def plot_steps(
     along = along or natural_place(results[0])
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
     axes = figure.subplots()
+    widths = np.linspace(3.0, 1.2, len(results))  # so that one that comes back to another hides it not
     colours = matplotlib.colormaps[MAP](np.linspace(0.0, 0.85, len(results)))
-    for result, label, colour in zip(results, labels, colours, strict=True):
+    for index, (result, label) in enumerate(zip(results, labels, strict=True)):
         s = place(result, along)
         order = np.argsort(s, kind="stable")
-        axes.plot(s[order], result.pressure[order], color=colour, label=label)
+        axes.plot(s[order], result.pressure[order], color=colours[index], linewidth=widths[index], label=label)
     axes.set_xlabel(with_unit(along, length_unit))
     axes.set_ylabel(with_unit("contact pressure", stress_unit))
     axes.set_ylim(bottom=0.0)
     axes.margins(x=0.0)
+    short_numbers(axes.yaxis)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False)
+    axes.legend(frameon=False, ncols=1 + len(labels) // 9)
     if path is not None:
         figure.savefig(path, dpi=150)
     return figure
