@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +17,7 @@ from .base.arrays import TINY, Floats
 from .base.checks import as_floats
 from .base.polyline import Polyline, polyline
 from .base.scattered import scattered
-from .base.table import frame, vector_columns, write_csv
+from .base.table import frame, html_table, vector_columns, write_csv
 
 
 @dataclass(frozen=True)
@@ -38,6 +38,10 @@ class NodalPressure:
     values: Floats
     at_points: Floats
     stiffness_ratio: float = 0.0
+
+    def __repr__(self) -> str:
+        low, high = self.values.min(), self.values.max()
+        return f"NodalPressure({len(self.values)} nodes, {low:.6g} to {high:.6g}, k h/E = {self.stiffness_ratio:.3g})"
 
 
 def closed_points(gap: Floats, pressure: Floats, hard: bool, bonded: bool) -> NDArray[np.bool_]:
@@ -419,3 +423,10 @@ class ContactResult:
         axes = np.linalg.svd(mean[None])[2][1:]
         found = scattered(self.x @ axes.T, np.stack(list(values.values()), axis=1), points @ axes.T)
         return dict(zip(values, found.T, strict=True))
+
+
+def contacts_html(contacts: Mapping[str, ContactResult]) -> str:
+    """The numbers of contacts by name, in a notebook."""
+    head = ("contact", "peak pressure", "force", "area in contact")
+    rows = ((n, f"{r.peak_pressure:.6g}", f"{r.force:.6g}", f"{r.area:.6g}") for n, r in contacts.items())
+    return html_table(head, rows)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from .base.arrays import Floats
 from .base.checks import as_bool, check_choice
-from .base.table import frame, numbered_columns, write_csv
+from .base.table import frame, html_table, numbered_columns, write_csv
 from .body_result import BodyResult
 from .contact import Contact
 from .errors import ContactError, NotConvergedError
@@ -162,6 +163,11 @@ class LoadPath:
     def __repr__(self) -> str:
         names = ", ".join(self.records) or "nothing"
         return f"LoadPath of {len(self)} steps: {self.status} ({self.reason}); recorded: {names}"
+
+    def _repr_html_(self) -> str:
+        columns = {name: values for name, values in self.columns().items() if len(values) == len(self)}
+        rows = ([f"{value:.6g}" for value in row] for row in zip(*columns.values(), strict=True))
+        return f"<p><b>{escape(self.status)}</b>: {escape(self.reason)}</p>{html_table(columns, rows)}"
 
 
 class StepFailedError(ContactError):

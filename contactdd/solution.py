@@ -23,7 +23,7 @@ from .base.arrays import Floats
 from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
-from .contact_result import ContactResult, NodalPressure
+from .contact_result import ContactResult, NodalPressure, contacts_html
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
@@ -603,13 +603,8 @@ class Solution:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{escape(c.name)}</td><td>{r.peak_pressure:.6g}</td><td>{r.force:.6g}</td><td>{r.area:.6g}</td></tr>"
-            for c, r in ((c, self.contact(c)) for c in self.scene.contacts)
-        )
-        head = "<tr><th>contact</th><th>peak pressure</th><th>force</th><th>area in contact</th></tr>"
         ending = f"<p><b>{escape(self.status)}</b>: {escape(self.reason)} ({escape(self.method)})</p>"
-        return f"{ending}<table>{head}{rows}</table>"
+        return ending + contacts_html({c.name: self.contact(c) for c in self.scene.contacts})
 
     @cached_property
     def _fields(self) -> list[Fields]:

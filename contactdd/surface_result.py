@@ -54,6 +54,11 @@ class SurfaceResult:
     compression: Floats
     projected_pressure: Floats | None = None
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{np.sum(self.status == state)} {name}" for state, name in STATUS.items())
+        force = float(self.areas @ self.pressure)
+        return f"SurfaceResult({self.name!r} on {self.body!r}, {len(self.cells)} facets: {counts}; force {force:.6g})"
+
     @property
     def status(self) -> Indices:
         """The state of each facet, (f,), see `STATUS`; fractions up to 1e-6 of a facet are rounding."""

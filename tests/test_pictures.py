@@ -136,6 +136,8 @@ def test_options_are_checked():
         solution.plot_contact(along="z")
     with pytest.raises(ValueError, match="camera = 'above'"):
         solid().plot_bodies(camera="above")
+    with pytest.raises(ValueError, match="quantity = 'energy'"):
+        solution.history.plot(quantity="energy")
     figure = solution.history.plot()
     assert figure.axes[0].get_ylabel() == "residual"
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), solution.history.residual)
