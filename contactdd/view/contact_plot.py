@@ -79,6 +79,11 @@ def place(result: ContactResult, along: str, about: Sequence[float] | None = Non
     return result.x[:, "xy".index(along)]
 
 
+def place_name(result: ContactResult, along: str) -> str:
+    """The coordinate along a contact in words: of a meridian x is the radius and y the axis."""
+    return {"x": "radius r", "y": "axis z"}.get(along, along) if result.ring else along
+
+
 def _window(result: ContactResult, along: str, s: Floats, whole: bool) -> tuple[float, float]:
     """What is shown of a contact whose points are at s (n,): all of its surface or what is around its closed part."""
     surface = np.array([0.0 if along == "radius" else s.min(), s.max()])
@@ -112,8 +117,7 @@ def _draw_curves(
     bottom.axhline(0.0, color=GREY, linewidth=0.8)
     top.set_ylabel(with_unit("contact pressure", stress))
     bottom.set_ylabel(with_unit("deformed gap", length))
-    name = {"x": "radius r", "y": "axis z"}.get(along, along) if result.ring else along
-    bottom.set_xlabel(with_unit(name, length))
+    bottom.set_xlabel(with_unit(place_name(result, along), length))
     bottom.set_xlim(shown)
     inside = gap[(s >= shown[0]) & (s <= shown[1])]
     low, high = min(float(inside.min()), 0.0), max(float(inside.max()), 0.0)

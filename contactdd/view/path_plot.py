@@ -14,7 +14,7 @@ from ..base.checks import as_count, positive
 from ..body_result import BodyResult
 from ..contact_result import ContactResult
 from .body_plot import Drawing, drawing, framed
-from .contact_plot import natural_place, place
+from .contact_plot import natural_place, place, place_name
 from .movie import WRITERS
 from .picture import MAP, Figure, Picture, short_numbers, with_unit
 
@@ -43,7 +43,7 @@ def plot_steps(
         s = place(result, along)
         order = np.argsort(s, kind="stable")
         axes.plot(s[order], result.pressure[order], color=colours[index], linewidth=widths[index], label=label)
-    axes.set_xlabel(with_unit(along, length_unit))
+    axes.set_xlabel(with_unit(place_name(results[0], along), length_unit))
     axes.set_ylabel(with_unit("contact pressure", stress_unit))
     axes.set_ylim(bottom=0.0)
     axes.margins(x=0.0)

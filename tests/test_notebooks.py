@@ -1,0 +1,29 @@
+"""Own methods, a joint with a gasket, error and adaptivity: pages that are notebooks, run cell by cell in a kernel."""
+
+from __future__ import annotations
+
+import os
+
+import nbclient
+import nbformat
+import pytest
+from test_demos import ROOT, code_cells, is_picture
+
+
+@pytest.mark.parametrize(
+    ("page", "told"),
+    [("own_method", None), ("flange_gasket", "MPa"), ("error_and_adaptivity", "Adaptation: reached")],
+)
+def test_a_page_is_a_notebook(page, told, tmp_path, monkeypatch):
+    """Its pictures are shown and saved, its numbers printed, its assertions hold, and no progress bar is left over."""
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]))
+    cells = [nbformat.v4.new_code_cell(cell) for cell in code_cells(ROOT / "docs" / "howto" / f"{page}.py")]
+    content = nbformat.v4.new_notebook(cells=cells)
+    options = {"resources": {"metadata": {"path": str(tmp_path)}}, "kernel_name": "python3"}
+    nbclient.NotebookClient(content, timeout=120, **options).execute()
+    outputs = [output for cell in content.cells for output in cell.outputs]
+    shown = [output["data"] for output in outputs if "data" in output]
+    assert any("image/png" in data for data in shown)
+    assert not any("widget" in kind for data in shown for kind in data)
+    assert all(is_picture(picture) for picture in tmp_path.glob("*.png"))
+    assert told is None or any(told in output.get("text", "") for output in outputs)
