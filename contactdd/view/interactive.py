@@ -26,6 +26,8 @@ def turnable(plotted: Callable[[], Any], size: tuple[int, int]) -> str | None:
     try:
         with display():
             plotter = plotted()
+            plotter.disable_parallel_projection()  # which the viewer does not know
+            plotter.reset_camera()
             page = getattr(plotter, "trame", plotter).export_html(None).getvalue()
             plotter.close()
     except (ImportError, AttributeError, RuntimeError):  # a VTK without its web modules, such as Debian's
