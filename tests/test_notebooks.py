@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 
 import nbclient
 import nbformat
 import pytest
 from test_demos import ROOT, code_cells, is_picture
+from test_site import site  # noqa: F401
 
 
 @pytest.mark.parametrize(
@@ -27,3 +29,12 @@ def test_a_page_is_a_notebook(page, told, tmp_path, monkeypatch):
     assert not any("widget" in kind for data in shown for kind in data)
     assert all(is_picture(picture) for picture in tmp_path.glob("*.png"))
     assert told is None or any(told in output.get("text", "") for output in outputs)
+
+
+@pytest.mark.long
+def test_every_page_of_the_site_shows_the_pictures_that_it_saves(site):  # noqa: F811
+    for page in (ROOT / "docs" / "howto").glob("*.py"):
+        made = nbformat.read(site / "howto" / f"{page.stem}.ipynb", as_version=4)
+        kinds = [kind for cell in made.cells for output in cell.get("outputs", []) for kind in output.get("data", {})]
+        assert kinds.count("image/png") >= len(re.findall(r'"\w+\.png"', page.read_text())), page.stem
+        assert f'href="{page.stem}.ipynb"' in (site / "howto" / f"{page.stem}.html").read_text()

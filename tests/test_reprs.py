@@ -40,6 +40,11 @@ def test_tables_in_a_notebook(path, tmp_path):
     assert "<tr><td>5</td><td>20</td></tr><tr><td>10</td><td>40</td></tr>" in path._repr_html_()
 
 
+def test_steps_have_names(path, tmp_path):
+    figure = path.plot_contact(label="{step}) q = {value} MPa")
+    assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["1) q = 5 MPa", "2) q = 10 MPa"]
+
+
 def test_runs_beside_each_other(tmp_path):
     """Each with the rate of its second half, a geometric sequence's own."""
     histories = {}
