@@ -150,3 +150,20 @@ def test_surfaces_fit_where_the_gap_is_steep():
     steepest = scale * np.abs(np.diff(result.initial_gap)).max()
     # The nearest point's gap would be off by 0.37 of that; what is linear in between is off by the gap's curvature.
     assert np.abs(upper[closed] - lower[closed])[:, 1].max() < steepest / 20
+
+
+def test_the_edge_of_facets_is_no_zigzag():
+    """A ring: as long as a circle of its mean radius, which the means of facets alone would make a fifth longer."""
+    held = cd.Symmetry("left", "right", "front", "back")
+    low = cd.Body("low", cd.box((0, 0, 0), (2, 1, 1), (16, 8, 2)), STEEL, supports=[held, cd.Symmetry("bottom")])
+    high = cd.Body("high", cd.box((0, 0, 1), (2, 1, 2), (16, 8, 2)), STEEL, supports=[held])
+    high.loads = (cd.Pressure("top", LOAD),)
+
+    def pit(x):
+        return 1e-4 * np.maximum(1 - 4 * ((x[0] - 1) ** 2 + (x[1] - 0.5) ** 2), 0)
+
+    contact = cd.Contact((low, "top"), (high, "bottom"), cd.LinearLayer(1e6), gap=pit)
+    edge = cd.solve(cd.Scene([low, high], [contact])).contact_surface().edge
+    length = np.linalg.norm(np.diff(edge, axis=1), axis=2).sum()
+    radius = np.linalg.norm(edge.reshape(-1, 3)[:, :2] - [1.0, 0.5], axis=1).mean()
+    assert length == pytest.approx(2 * np.pi * radius, rel=0.02)

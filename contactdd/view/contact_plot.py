@@ -56,7 +56,7 @@ def plot_contact(
         shown = _window(result, along, s, whole)
         _draw_curves(figure, result, along, s, shown, stress_unit, length_unit)
     if path is not None:
-        figure.savefig(path, dpi=150)
+        figure.save(path)
     return figure
 
 

@@ -59,5 +59,5 @@ def plot_convergence(
     if any(axes.get_legend_handles_labels()):
         axes.legend(frameon=False)
     if path is not None:
-        figure.savefig(path, dpi=150)
+        figure.save(path)
     return figure

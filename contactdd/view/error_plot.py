@@ -65,7 +65,7 @@ def plot_error(
     if bodies:
         _draw_bodies(figure, figure.add_subplot(grid[rows, :]), bodies, stress_unit, length_unit)
     if path is not None:
-        figure.savefig(path, dpi=150)
+        figure.save(path)
     return figure
 
 

@@ -51,7 +51,7 @@ def plot_steps(
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, ncols=1 + len(labels) // 9)
     if path is not None:
-        figure.savefig(path, dpi=150)
+        figure.save(path)
     return figure
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -23,6 +24,12 @@ MAP = "viridis"
 
 class Figure(matplotlib.figure.Figure):
     """A matplotlib figure that belongs to no window and shows itself in a notebook."""
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """The file written, of the format that its ending names; in vector formats maps are finer pixels."""
+        file = Path(path)
+        self.savefig(file, dpi=150 if file.suffix.lower() in (".png", ".jpg", ".jpeg") else 300)
+        return file
 
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
@@ -47,7 +54,7 @@ class Picture(Figure):
         canvas.draw()
         return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: str | os.PathLike[str]) -> Path:
         """The file written, of the format that its ending names; in vector formats text and bar are vectors."""
         self.savefig(path, dpi="figure")
         return Path(path)
