@@ -120,10 +120,15 @@ class History:
             name: The run's name in the legend.
             beside: {name: `History`} of other runs, drawn beside it.
             path: The path of a file to save the figure in, too.
+
+        Raises:
+            ValueError: The quantity is another, or two runs have one name.
         """
         from .view.convergence_plot import plot_convergence
 
         check_choice("quantity", quantity, ("residual", "change"))
+        if name in (beside or {}):
+            raise ValueError(f"name = {name!r}: another run is called so; expected a name of its own")
         runs = {name: self, **(beside or {})}
         return plot_convergence({run: getattr(runs[run], quantity) for run in runs}, quantity, path=path)
 

@@ -102,8 +102,9 @@ def test_a_corner_looked_at_closely():
     assert body[top + 4 : middle - 4, 204:].mean() > 0.98
     assert not body[top:bottom, :196].any()
     assert not body[middle + 4 : bottom, :].any()
-    with pytest.raises(ValueError, match="focus = "):
-        solution.plot_bodies(focus=(0.0, 0.0, 0.0))
+    for wrong in ({"focus": (0.0, 0.0, 0.0)}, {"limits": (1.0, 1.0)}, {"size": (400, 40)}, {"scale": float("nan")}):
+        with pytest.raises(ValueError, match=f"{next(iter(wrong))} = "):
+            solution.plot_bodies(**wrong)
 
 
 def test_stresses_around_an_axis_have_their_names():

@@ -55,4 +55,6 @@ def test_runs_beside_each_other(tmp_path):
     figure = histories["slow"].plot(name="slow", beside={"fast": histories["fast"]}, path=tmp_path / "runs.svg")
     told = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
     assert told == ["slow, × 0.8 per iteration", "fast, × 0.1 per iteration"]
+    with pytest.raises(ValueError, match="name = 'fast'"):
+        histories["slow"].plot(name="fast", beside=histories)
     assert (tmp_path / "runs.svg").read_text().startswith("<?xml")

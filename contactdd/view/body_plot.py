@@ -1,4 +1,4 @@
-"""Pictures of deformed bodies: what is drawn of them, and the frame around it with title, axes and bar (matplotlib)."""
+"""Pictures of deformed bodies: what of them is drawn, and how."""
 
 from __future__ import annotations
 
@@ -8,17 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.ticker import MaxNLocator
 
 from ..base.arrays import TINY, Floats
 from ..base.checks import check_choice, finite, positive
 from ..body_result import BodyResult
 from ..kinematics import STRESSES
-from .interactive import image, turnable
-from .picture import MAP, Picture, short_numbers, with_unit
-from .render import Coloured, View, pixels, plotted
+from .frame import Frame, framed, turning
+from .picture import Picture, with_unit
+from .render import Coloured, View
 
 COMPONENTS = (*STRESSES, "von Mises", "displacement")
 
@@ -40,18 +37,12 @@ FLAT = CAMERAS["top"]
 RING_STRESSES = {"xx": "radial", "yy": "axial", "zz": "hoop", "xy": "radial-axial shear", "yz": "yz", "xz": "xz"}
 
 
-#: What the frame takes of the height above and below the bodies, in inches; the width of a picture, in inches.
-TITLE, BAR, WIDTH = 0.4, 0.85, 8.0
-
-
 @dataclass(frozen=True)
 class Drawing:
-    """What is drawn of bodies: view: how; component: what colours them; label: of the bar; names: of the three axes."""
+    """What is drawn of bodies: component: what colours them; frame: what is around them."""
 
-    view: View
     component: str
-    label: str
-    names: str
+    frame: Frame
 
     def coloured(self, bodies: Sequence[BodyResult]) -> list[Coloured]:
         """The bodies with their colours."""
@@ -80,22 +71,12 @@ def plot_bodies(
         RuntimeError: where nothing can draw.
     """
     drawn = drawing(bodies, **options)
-    picture = framed([bodies], [title or f"displacements enlarged {drawn.view.scale:g} times"], drawn, size, path=path)
-    if bodies[0].dim == 3 or drawn.view.sweep:
-        picture.turned = lambda: _turned(picture, drawn.coloured(bodies), drawn.view)
+    coloured, view = drawn.coloured(bodies), drawn.frame.view
+    title = title or f"displacements enlarged {view.scale:g} times"
+    picture = framed([coloured], [title], drawn.frame, size, path=path)
+    if bodies[0].dim == 3 or view.sweep:
+        picture.turned = lambda: turning(picture, coloured, view)
     return picture
-
-
-def _turned(picture: Picture, bodies: Sequence[Coloured], view: View) -> str | None:
-    """The bodies in a frame that turns them, between the picture's title and its bar."""
-    pixels = picture.pixels
-    above, below = round(TITLE * picture.dpi), round(BAR * picture.dpi)
-    height, width, _ = pixels.shape
-    size = width, height - above - below
-    frame = turnable(lambda: plotted(bodies, view, size), size)
-    bar = pixels[-below:].copy()
-    bar[:, : width // 6] = 255  # the axes, which turn
-    return frame and "<br>".join([image(pixels[:above]), frame, image(bar)])
 
 
 def drawing(
@@ -133,14 +114,14 @@ def drawing(
     """
     component = normal_component(bodies) if component is None else check_choice("component", component, COMPONENTS)
     check_sweep(bodies, sweep)
-    limits = round_limits([shown(body, component) for body in bodies]) if limits is None else limits
+    limits = round_limits([shown(body, component) for body in bodies]) if limits is None else _increasing(limits)
     towards, up = FLAT if bodies[0].dim == 2 and not sweep else _direction(camera)
-    scale = visible_scale(bodies) if scale is None else scale
+    scale = visible_scale(bodies) if scale is None else finite("scale", scale)
     middle = None if focus is None else _point(focus, 3 if sweep else bodies[0].dim)
     view = View(towards, up, scale, limits, positive("zoom", zoom), middle, edges, undeformed, sweep)
     rings = all(body.ring for body in bodies)
     label = with_unit(named(component, rings), unit)
-    return Drawing(view, component, label, "rz " if rings and not sweep else "xyz")
+    return Drawing(component, Frame(view, label, "rz " if rings and not sweep else "xyz"))
 
 
 def named(component: str, rings: bool) -> str:
@@ -148,59 +129,6 @@ def named(component: str, rings: bool) -> str:
     if component in STRESSES:
         return f"{RING_STRESSES[component]} stress" if rings else f"stress {component}"
     return component if component == "displacement" else f"{component} stress"
-
-
-def framed(
-    steps: Sequence[Sequence[BodyResult]],
-    titles: Sequence[str],
-    drawn: Drawing,
-    size: tuple[int, int],
-    *,
-    columns: int = 1,
-    path: str | Path | None = None,
-) -> Picture:
-    """One panel for each step, with its title, and below the axes' directions and one bar for all.
-
-    size: (width, height) of the figure in pixels.
-    """
-    width, height = size
-    dpi = width / WIDTH
-    rows = -(-len(steps) // columns)
-    above, below = round(TITLE * dpi), round(BAR * dpi)
-    panel = width // columns, (height - below) // rows - above
-    picture = Picture(figsize=(width / dpi, height / dpi), dpi=dpi)
-    for index, (bodies, title) in enumerate(zip(steps, titles, strict=True)):
-        row, column = divmod(index, columns)
-        corner = column * panel[0], height - (row + 1) * (panel[1] + above)
-        axes = picture.add_axes((corner[0] / width, corner[1] / height, panel[0] / width, panel[1] / height))
-        axes.imshow(pixels(drawn.coloured(bodies), drawn.view, panel), interpolation="none", aspect="auto")
-        axes.set_axis_off()
-        axes.set_title(title, fontsize=12 if columns == 1 else 10)
-    _draw_directions(picture.add_axes((0.03, 0.05 * below / height, 0.1, 0.9 * below / height)), drawn)
-    bar = picture.add_axes((0.25, 0.58 * below / height, 0.5, 0.2 * below / height))
-    _draw_bar(picture, bar, drawn)
-    if path is not None:
-        picture.save(path)
-    return picture
-
-
-def _draw_bar(picture: Picture, axes: Any, drawn: Drawing) -> None:
-    mapped = ScalarMappable(Normalize(*drawn.view.limits), MAP)
-    bar = picture.colorbar(mapped, cax=axes, orientation="horizontal", label=drawn.label)
-    bar.locator = MaxNLocator(nbins=6, steps=[1, 2, 2.5, 5, 10])
-    short_numbers(bar.ax.xaxis)
-
-
-def _draw_directions(axes: Any, drawn: Drawing) -> None:
-    """Arrows along the axes as they are seen; one that points to the eye is left out."""
-    seen = 0.7 * np.eye(3) @ drawn.view.screen.T
-    low, high = np.minimum(seen.min(axis=0), 0.0) - 0.3, np.maximum(seen.max(axis=0), 0.0) + 0.3
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
-    axes.set_axis_off()
-    for end, name in zip(seen, drawn.names, strict=True):
-        if np.linalg.norm(end) > 0.1:
-            axes.annotate("", end, (0, 0), arrowprops={"arrowstyle": "->", "shrinkA": 0, "shrinkB": 0})
-            axes.annotate(name, 1.25 * end, ha="center", va="center")
 
 
 def check_sweep(bodies: Sequence[BodyResult], sweep: float) -> None:
@@ -246,6 +174,14 @@ def round_limits(values: Sequence[Floats]) -> tuple[float, float]:
     step = 10.0 ** np.floor(np.log10(max(high - low, TINY)) - 1.0)
     first, last = np.floor(low / step + 1e-6), np.ceil(high / step - 1e-6)
     return float(first * step), float(max(last, first + 1.0) * step)
+
+
+def _increasing(limits: tuple[float, float]) -> tuple[float, float]:
+    """The limits of a bar, checked."""
+    low, high = (finite("limits", limit) for limit in limits)
+    if low >= high:
+        raise ValueError(f"limits = {limits!r}: expected the lower number first")
+    return low, high
 
 
 def _point(focus: Sequence[float], dim: int) -> tuple[float, ...]:

@@ -53,7 +53,7 @@ def plot_contact(
     else:
         along = along or natural_place(result)
         s = place(result, along, about)
-        shown = _window(result, along, s, whole)
+        shown = _extent(result, along, s, whole)
         _draw_curves(figure, result, along, s, shown, stress_unit, length_unit)
     if path is not None:
         figure.save(path)
@@ -84,7 +84,7 @@ def place_name(result: ContactResult, along: str) -> str:
     return {"x": "radius r", "y": "axis z"}.get(along, along) if result.ring else along
 
 
-def _window(result: ContactResult, along: str, s: Floats, whole: bool) -> tuple[float, float]:
+def _extent(result: ContactResult, along: str, s: Floats, whole: bool) -> tuple[float, float]:
     """What is shown of a contact whose points are at s (n,): all of its surface or what is around its closed part."""
     surface = np.array([0.0 if along == "radius" else s.min(), s.max()])
     if result.corners is not None and along == "arc length":

@@ -13,8 +13,9 @@ import numpy as np
 from ..base.checks import as_count, positive
 from ..body_result import BodyResult
 from ..contact_result import ContactResult
-from .body_plot import Drawing, drawing, framed
+from .body_plot import Drawing, drawing
 from .contact_plot import natural_place, place, place_name
+from .frame import framed
 from .movie import WRITERS
 from .picture import MAP, Figure, Picture, short_numbers, with_unit
 
@@ -67,7 +68,8 @@ def plot_multiples(
     """A picture of all steps' bodies beside each other, drawn alike; size: in pixels; options: of `drawing`."""
     columns = min(as_count("columns", columns), len(steps))
     size = size or (1600, 200 - (-len(steps) // columns) * (80 + 1000 // columns))
-    return framed(steps, labels, _alike(steps, options), size, columns=columns, path=path)
+    drawn = _alike(steps, options)
+    return framed([drawn.coloured(bodies) for bodies in steps], labels, drawn.frame, size, columns=columns, path=path)
 
 
 def animate(
@@ -85,7 +87,8 @@ def animate(
     if write is None:
         raise ValueError(f"path = {str(path)!r}: expected a name that ends in .gif or .mp4")
     drawn = _alike(steps, options)
-    frames = (framed([bodies], [label], drawn, size).pixels for bodies, label in zip(steps, labels, strict=True))
+    panels = ([drawn.coloured(bodies)] for bodies in steps)
+    frames = (framed(panel, [label], drawn.frame, size).pixels for panel, label in zip(panels, labels, strict=True))
     write(file, frames, per_second)
     return file
 
