@@ -18,7 +18,7 @@ from .base.arrays import Floats
 from .body_result import BodyResult, SurfaceFit
 from .contact_result import ContactResult, NodalPressure, contacts_html
 from .history import History, Record
-from .surface_result import SurfaceResult, Surfaces, most_covered
+from .surface_result import SurfaceResult, Surfaces
 
 FORMAT = "contactdd solution"
 
@@ -131,8 +131,7 @@ class SavedSolution:
         """
         from .view.contact_plot import plot_contact
 
-        surfaces = self.surfaces[self._name(contact)]
-        return plot_contact(self.contact(contact), most_covered(surfaces), **options)
+        return plot_contact(self.contact(contact), self.surfaces[self._name(contact)], **options)
 
     def plot_bodies(self, bodies: Sequence[str] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, see `Solution.plot_bodies`.

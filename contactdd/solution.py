@@ -29,7 +29,7 @@ from .history import History
 from .interface.discretise import Interface, discretise
 from .interface.surface import PointSurface
 from .small_strains import StrainSize
-from .surface_result import SurfaceResult, Surfaces, most_covered
+from .surface_result import SurfaceResult, Surfaces
 from .system.ensemble import STRAINING, eigenstrain_load
 from .system.joint_motions import settled
 
@@ -491,7 +491,7 @@ class Solution:
 
         result = self.contact(contact)
         surfaces = self._surfaces(contact) if result.x.shape[1] == 3 else (None, None)
-        return plot_contact(result, most_covered(surfaces), **options)
+        return plot_contact(result, surfaces, **options)
 
     def plot_bodies(self, bodies: Sequence[str | Body] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, or of some, coloured by a stress.

@@ -98,12 +98,6 @@ class SurfaceResult:
 Surfaces = tuple[SurfaceResult | None, SurfaceResult | None]
 
 
-def most_covered(surfaces: Surfaces) -> SurfaceResult | None:
-    """The surface of which the larger part lies opposite the other, which a map is drawn on; None if there is none."""
-    found = [surface for surface in surfaces if surface is not None]
-    return max(found, key=lambda each: each.areas @ each.covered / each.areas.sum(), default=None)
-
-
 def zero_lines(triangles: Floats, values: Floats) -> Floats:
     """The segments (m, 2, dim) where linear functions, given at triangles' corners, are zero: (n, 3) on (n, 3, dim)."""
     negative = values < 0.0

@@ -168,3 +168,25 @@ def test_the_edge_of_facets_is_no_zigzag():
     length = np.linalg.norm(np.diff(edge, axis=1), axis=2).sum()
     radius = np.linalg.norm(edge.reshape(-1, 3)[:, :2] - [1.0, 0.5], axis=1).mean()
     assert length == pytest.approx(2 * np.pi * radius, rel=0.02)
+
+
+def test_a_map_of_hard_contact_is_that_of_its_nodes():
+    """A pit in the middle of a symmetric joint: the map has the nodes' pressures and the joint's own symmetries."""
+    held = cd.Symmetry("left", "right", "front", "back")
+    low = cd.Body("low", cd.box((0, 0, 0), (2, 2, 1), (6, 6, 2), shape="hexahedron"), STEEL)
+    high = cd.Body("high", cd.box((0, 0, 1), (2, 2, 2), (4, 4, 2), shape="hexahedron"), STEEL)
+    low.supports, high.supports, high.loads = (held, cd.Symmetry("bottom")), (held,), (cd.Pressure("top", LOAD),)
+
+    def pit(x):
+        return 2e-4 * np.maximum(1 - (x[0] - 1) ** 2 - (x[1] - 1) ** 2, 0)
+
+    solution = cd.solve(cd.Scene([low, high], [cd.Contact((low, "top"), (high, "bottom"), cd.HardContact(), gap=pit)]))
+    figure, result = solution.plot_contact(), solution.contact()
+    (drawn,) = [c for c in figure.axes[0].collections if isinstance(c, TriMesh)]
+    x = np.stack([drawn._triangulation.x, drawn._triangulation.y], axis=1)
+    shown = {tuple(place): value for place, value in zip(x.round(9), drawn.get_array(), strict=True)}
+    for place, pressure in zip(result.x[:, :2].round(9), result.pressure, strict=True):
+        assert shown[tuple(place)] == pytest.approx(pressure, abs=1e-12)
+    for (across, along), value in shown.items():
+        for other in ((round(2 - across, 9), along), (along, across)):
+            assert shown[other] == pytest.approx(value, abs=1e-6 * result.peak_pressure)  # the tolerance of solve

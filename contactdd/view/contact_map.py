@@ -9,10 +9,10 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.tri import Triangulation
 
-from ..base.arrays import Floats
+from ..base.arrays import Floats, Indices
 from ..base.scattered import scattered
 from ..contact_result import ContactResult
-from ..surface_result import STATUS, SurfaceResult
+from ..surface_result import STATUS, SurfaceResult, Surfaces
 from .picture import BLUE, GREY, MAP, short_numbers, with_unit
 
 SHOWN = ("pressure", "gap", "status")
@@ -25,7 +25,7 @@ STATUS_COLOURS = ("#ffffff", "#dddddd", "#56B4E9", BLUE)
 def draw_map(
     figure: Any,
     result: ContactResult,
-    surface: SurfaceResult,
+    surfaces: Surfaces,
     show: str,
     whole: bool,
     stress: str | None,
@@ -33,6 +33,7 @@ def draw_map(
 ) -> None:
     """Draw what `show` says on the facets, and the edge of contact."""
     axes = figure.subplots()
+    surface, points = mapped(result, surfaces)
     axis, facing = seen_along(result, surface)
     plane = [other for other in range(3) if other != axis]
     outlines = surface.outlines[facing][:, :, plane]
@@ -41,7 +42,8 @@ def draw_map(
         drawn = _draw_status(axes, outlines, surface.status[facing])
     else:
         told = surface.covered[facing] > 1e-6
-        drawn = _draw_values(axes, result, outlines[told], plane, show, (low, high))
+        points = None if points is None else points[facing][told]
+        drawn = _draw_values(axes, result, outlines[told], points, plane, show, (low, high))
     wide = high[0] - low[0] > 1.5 * (high[1] - low[1])
     if wide:
         figure.set_size_inches(7.0, min(4.6, 2.0 + 6.0 * (high[1] - low[1]) / (high[0] - low[0])))
@@ -54,6 +56,22 @@ def draw_map(
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal")
     axes.set_xlabel(with_unit("xyz"[plane[0]], length))
     axes.set_ylabel(with_unit("xyz"[plane[1]], length))
+
+
+def mapped(result: ContactResult, surfaces: Surfaces) -> tuple[SurfaceResult, Indices | None]:
+    """The surface that a map is drawn on, and which points (f, corners) are its facets' corners.
+
+    That is the surface of the nodes where the contact's points are nodes, as in hard contact, else the one of which the
+    larger part lies opposite the other, and no points.
+    """
+    from scipy.spatial import cKDTree
+
+    found = [surface for surface in surfaces if surface is not None]
+    for surface in found:
+        away, points = cKDTree(result.x).query(surface.outlines)
+        if away.max() <= 1e-9 * np.ptp(result.x, axis=0).max():
+            return surface, points
+    return max(found, key=lambda each: each.areas @ each.covered / each.areas.sum()), None
 
 
 def seen_along(result: ContactResult, surface: SurfaceResult) -> tuple[int, Any]:
@@ -94,7 +112,13 @@ def _draw_status(axes: Any, outlines: Floats, status: Any) -> Any:
 
 
 def _draw_values(
-    axes: Any, result: ContactResult, outlines: Floats, plane: list[int], show: str, seen: tuple[Floats, Floats]
+    axes: Any,
+    result: ContactResult,
+    outlines: Floats,
+    points: Indices | None,
+    plane: list[int],
+    show: str,
+    seen: tuple[Floats, Floats],
 ) -> Any:
     """The values of the points, linear in between, on the facets in pieces as fine as the points, and the edge."""
     pieces = min(max(int(np.ceil(np.sqrt(len(result.x) / max(len(outlines), 1)))), 2), 8)
@@ -104,7 +128,11 @@ def _draw_values(
     _, first, numbers = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     corners = triangles.reshape(-1, 2)[first]
     values = np.stack([{"pressure": result.pressure, "gap": result.gap}[show], result._opening], axis=1)
-    shown, opening = scattered(result.x[:, plane], values, corners).T
+    if points is None:
+        told = scattered(result.x[:, plane], values, corners)
+    else:
+        told = cut(values[points], pieces).reshape(-1, 2)[first]
+    shown, opening = told.T
     mesh = Triangulation(*corners.T, numbers.reshape(-1, 3))
     drawn = axes.tripcolor(mesh, shown, shading="gouraud", cmap=MAP, rasterized=True)
     inside = shown[np.all((corners >= seen[0]) & (corners <= seen[1]), axis=1)]
@@ -116,9 +144,13 @@ def _draw_values(
 
 
 def cut(outlines: Floats, pieces: int) -> Floats:
-    """Triangles (t, 3, 2) of facets (f, corners, 2), each side cut into so many pieces."""
+    """Triangles (t, 3, 2) of facets (f, corners, 2), each side cut into so many pieces; or values of theirs.
+
+    Four corners are four triangles around the middle: neither diagonal is before the other.
+    """
     if outlines.shape[1] == 4:
-        outlines = np.concatenate([outlines[:, [0, 1, 2]], outlines[:, [0, 2, 3]]])
+        middle = np.broadcast_to(outlines.mean(axis=1, keepdims=True), outlines.shape)
+        outlines = np.stack([middle, outlines, np.roll(outlines, -1, axis=1)], axis=2).reshape(-1, 3, outlines.shape[2])
     i, j = np.indices((pieces, pieces)).reshape(2, -1)
     upright, turned = np.stack([[i, j], [i + 1, j], [i, j + 1]]), np.stack([[i + 1, j], [i + 1, j + 1], [i, j + 1]])
     places = np.concatenate([upright[..., i + j < pieces], turned[..., i + j < pieces - 1]], axis=2) / pieces

@@ -11,14 +11,14 @@ import numpy as np
 from ..base.arrays import Floats
 from ..base.checks import check_choice
 from ..contact_result import ContactResult
-from ..surface_result import SurfaceResult
+from ..surface_result import Surfaces
 from .contact_map import SHOWN, draw_map, window
 from .picture import BLUE, GREY, RED, Figure, short_numbers, with_unit
 
 
 def plot_contact(
     result: ContactResult,
-    surface: SurfaceResult | None,
+    surfaces: Surfaces,
     *,
     along: str | None = None,
     about: Sequence[float] | None = None,
@@ -32,7 +32,7 @@ def plot_contact(
 
     Args:
         result: the contact's values at its points.
-        surface: the facets of one body, which a map in space is drawn on.
+        surfaces: the facets of both bodies, which a map in space is drawn on.
         along: what the curves are drawn over: "arc length", "x", "y", or in space "radius", the distance from
             `about`. By default a coordinate where the contact lies along it, else the arc length in the
             plane, and in space a map.
@@ -48,8 +48,8 @@ def plot_contact(
         check_choice("along", along, choices)
     check_choice("show", show, SHOWN)
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-    if dim == 3 and along is None and surface is not None:
-        draw_map(figure, result, surface, show, whole, stress_unit, length_unit)
+    if dim == 3 and along is None and any(surfaces):
+        draw_map(figure, result, surfaces, show, whole, stress_unit, length_unit)
     else:
         along = along or natural_place(result)
         s = place(result, along, about)
