@@ -111,20 +111,6 @@ def read(path: Path, dim: int | None, script: bool, order: int, parameters: Mapp
             return contents(gmsh.model, dim, source)
 
 
-def read_med(path: Path, dim: int | None) -> Contents:
-    """The nodes, cells and groups of a MED file, where gmsh was built with that library."""
-    import gmsh
-
-    with _session(gmsh) as own:
-        if "Med" not in gmsh.option.getString("General.BuildOptions").split():
-            raise ValueError(
-                f"path = {str(path)!r}: the format is MED file, and this gmsh was built without MED; expected another "
-                "gmsh, such as PyPI's, or the mesh as .msh, which meshio converts it to"
-            )
-        with _opened(gmsh, path, own):
-            return contents(gmsh.model, dim, f"path = {str(path)!r}: the file")
-
-
 def meshed(path: Path, size: float, order: int, kind: str) -> Contents:
     """The mesh of the inside of a geometry, its cells of a size; kind: "STEP file", or "STL file" of a surface."""
     import gmsh

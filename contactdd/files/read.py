@@ -11,7 +11,7 @@ from .contents import Contents
 from .formats import format_of, refuse
 
 GMSH = ".msh files of gmsh 2 and 4 and .geo scripts"
-ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp), universal files (.unv), bulk data of Nastran (.bdf)"
+ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp), universal files (.unv), bulk data of Nastran (.bdf), MED files"
 
 
 def read_gmsh(
@@ -159,7 +159,7 @@ def _contents(path: Path, found: str, dim: int | None, order: int, parameters: M
 
         return nastran.read(path, dim)
     if found == "MED file":
-        from . import gmsh
+        from . import med
 
-        return gmsh.read_med(path, dim)
+        return med.read(path, dim)
     raise refuse(path, found, "cd.read_mesh", ALL)
