@@ -102,13 +102,26 @@ def read(path: Path, dim: int | None, script: bool, order: int, parameters: Mapp
         raise ValueError(f"path = {str(path)!r}: parameters and order are for .geo scripts; a .msh file has its own")
     import gmsh
 
+    source = f"path = {str(path)!r}: the file"
+    if not script:
+        check_physical_names(source, path.read_bytes().decode("latin-1"))
     with _session(gmsh) as own:
-        source = f"path = {str(path)!r}: the file"
         if script and not own:  # with options of the user's that may change the mesh: none for the cache
             with _run(gmsh, path, dim, order, parameters, own):
                 return contents(gmsh.model, dim, source)
         with _opened(gmsh, _cached(gmsh, path, dim, order, parameters) if script else path, own):
             return contents(gmsh.model, dim, source)
+
+
+def check_physical_names(source: str, text: str) -> None:
+    """Refuse physical names of a dimension that does not exist, with which gmsh ends the interpreter.
+
+    text: a .msh file, in which these names are readable in the binary form too.
+    """
+    for section in re.findall(r"\$PhysicalNames\s+\d+(.*?)\$EndPhysicalNames", text, re.DOTALL):
+        for dim, name in re.findall(r"^\s*(-?\d+)\s+-?\d+\s*(.*?)\s*$", section, re.MULTILINE):
+            if not 0 <= int(dim) <= 3:
+                raise ValueError(f"{source} has the physical name {name} of the dimension {dim}; expected 0 to 3")
 
 
 def meshed(path: Path, size: float, order: int, kind: str) -> Contents:
