@@ -16,7 +16,7 @@ from ..body import Body
 from ..eigenstrain import ThermalStrain
 from ..files.contents import Contents
 from ..files.deck import Card, side
-from ..files.kinds import SERENDIPITY, Kind
+from ..files.kinds import CUT, SERENDIPITY, Kind
 from ..load import BodyForce, Pressure
 from ..material import Material
 from ..mesh import Mesh
@@ -32,7 +32,8 @@ KINEMATICS = {"CPE": "plane strain", "CPS": "plane stress", "CAX": "axisymmetric
 class Part:
     """A part of a deck's mesh that shares no node with the others.
 
-    elements: their numbers; nodes: the numbers of all their nodes, sorted; kind: of all cells; name: of the body.
+    elements: their numbers; nodes: the numbers of all their nodes, sorted; kind: of all cells, or of the quadrilaterals
+    where there are triangles too; name: of the body.
     """
 
     elements: Integers
@@ -64,12 +65,14 @@ def parts_of(model: Model, contents: Contents) -> list[Part]:
         elements = np.sort(np.array([number for number, _, _ in ours]))
         nodes = np.unique(np.concatenate([nodes for _, nodes, _ in ours]))
         kinds = {kind for _, _, kind in ours}
-        if len(kinds) > 1:
+        if len(kinds) > 1 and kinds not in CUT:
             raise ValueError(
                 f"{contents.source} has a body of {' and '.join(sorted(map(str, kinds)))}; expected one kind"
             )
         taken = {part.name for part in found}
-        found.append(Part(elements, nodes, kinds.pop(), _name(model, contents, elements, taken)))
+        found.append(
+            Part(elements, nodes, max(kinds, key=lambda kind: kind.nodes), _name(model, contents, elements, taken))
+        )
     return sorted(found, key=lambda part: int(part.elements[0]))
 
 

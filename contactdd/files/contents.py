@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from warnings import warn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +14,9 @@ from ..base import compat
 from ..base.arrays import Floats, Integers
 from ..base.checks import listed
 from ..base.conformity import numbered, side_corners
+from ..errors import ContactWarning
 from ..mesh import Mesh, from_arrays, inside_the_body
-from .kinds import DEGREES, SERENDIPITY, SIDES, Kind, completed
+from .kinds import CUT, DEGREES, SERENDIPITY, SIDES, Kind, completed, halves
 
 
 @dataclass(frozen=True)
@@ -24,6 +26,10 @@ class Block:
     kind: Kind
     numbers: Integers
     nodes: Integers
+
+
+class KindError(ValueError):
+    """Cells of several kinds in a body, or of one that cannot be computed with."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +57,21 @@ class Contents:
 
         Raises ValueError where the cells cannot be computed with: before dolfinx is called, which does not check.
         """
-        kind, nodes, subdomains = self._cells(body)
+        blocks = self._blocks(body)
+        whose = "" if body is None else f" in the group {body!r}"
+        if {block.kind for block in blocks} in CUT:
+            warn(
+                f"{self.source} has triangles and quadrilaterals{whose}; the quadrilaterals are cut in two, since a "
+                "body has cells of one kind",
+                ContactWarning,
+                stacklevel=3,
+            )
+            return self._in_triangles._made(self._in_triangles._blocks(body), whose)
+        return self._made(blocks, whose)
+
+    def _made(self, blocks: Sequence[Block], whose: str) -> Mesh:
+        """The mesh of cells of one kind."""
+        kind, nodes, subdomains = self._cells(blocks, whose)
         self._check_nodes(kind, nodes)
         kind, nodes, x = completed(kind, np.searchsorted(self.numbers, nodes), self.x)
         nodes = nodes[:, compat.from_gmsh_order(*kind)]
@@ -64,8 +84,8 @@ class Contents:
         element = compat.coordinate_element(kind.shape, DEGREES[kind])
         return from_arrays(cells, x[:, : self.dim], element, surfaces, left_out, subdomains)
 
-    def _cells(self, body: str | None) -> tuple[Kind, Integers, dict[str, Integers]]:
-        """The kind and nodes of the cells of a body, each cell once, and which of them are in each group."""
+    def _blocks(self, body: str | None) -> list[Block]:
+        """The cells of a body."""
         if body is not None and body not in self.bodies:
             raise ValueError(
                 f"body = {body!r}: {self.source} has no such group of cells (it has {listed(self.bodies)})"
@@ -73,16 +93,19 @@ class Contents:
         chosen = self._chosen(body)
         wanted = [np.isin(block.numbers, chosen) for block in self.blocks]
         blocks = [
-            (each.kind, each.nodes[ours], each.numbers[ours])
+            Block(each.kind, each.numbers[ours], each.nodes[ours])
             for each, ours in zip(self.blocks, wanted, strict=True)
             if np.any(ours)
         ]
         if not blocks:
             raise ValueError(f"{self.source} has no cells of dimension {self.dim}")
-        whose = "" if body is None else f" in the group {body!r}"
-        self._check_kinds([kind for kind, _, _ in blocks], whose)
-        kind = blocks[0][0]
-        nodes, numbers = (np.concatenate([each[part] for each in blocks]) for part in (1, 2))
+        return blocks
+
+    def _cells(self, blocks: Sequence[Block], whose: str) -> tuple[Kind, Integers, dict[str, Integers]]:
+        """The kind and nodes of cells, each cell once, and which of them are in each group."""
+        self._check_kinds([block.kind for block in blocks], whose)
+        kind = blocks[0].kind
+        nodes, numbers = (np.concatenate([getattr(each, part) for each in blocks]) for part in ("nodes", "numbers"))
         # A cell in several groups is one cell, also where the file has it once for each.
         _, first, same = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True)
         place = np.argsort(np.argsort(first))[same.ravel()]  # of each given cell among those kept, in the file's order
@@ -100,13 +123,27 @@ class Contents:
     def _check_kinds(self, kinds: Sequence[Kind], whose: str) -> None:
         names = " and ".join(sorted({str(kind) for kind in kinds}))
         if len(set(kinds)) > 1:
-            raise ValueError(
+            raise KindError(
                 f"{self.source} has cells of several kinds{whose}: {names}; expected one kind in a body. Mesh it with "
                 "one kind, or give each a group of its own and read them as two bodies"
             )
         if kinds[0] not in DEGREES and kinds[0] not in SERENDIPITY:
             able = ", ".join(str(kind) for kind in (*DEGREES, *SERENDIPITY) if _dim(kind) == self.dim)
-            raise ValueError(f"{self.source} has {names}{whose}, which cannot be computed with; mesh it with {able}")
+            raise KindError(f"{self.source} has {names}{whose}, which cannot be computed with; mesh it with {able}")
+
+    @cached_property
+    def _in_triangles(self) -> Contents:
+        """The same contents with every quadrilateral of degree 1 or 2 cut into two triangles of its degree."""
+        blocks, x, numbers = [], self.x, self.numbers
+        for block in self.blocks:
+            if block.kind.shape == "quadrilateral" and block.kind.nodes in (4, 8, 9):
+                self._check_nodes(block.kind, block.nodes)
+                _, places, x = completed(block.kind, np.searchsorted(self.numbers, block.nodes), x)
+                numbers = np.concatenate([numbers, numbers[-1] + 1 + np.arange(len(x) - len(numbers))])
+                nodes = numbers[halves(places, x)]
+                block = Block(Kind("triangle", nodes.shape[1]), np.repeat(block.numbers, 2), nodes)
+            blocks.append(block)
+        return replace(self, numbers=numbers, x=x, blocks=blocks)
 
     def _check_nodes(self, kind: Kind, nodes: Integers) -> None:
         """Refuse cells whose nodes are not there or not all different, and nodes that hang."""
