@@ -2,9 +2,9 @@
 # # For the study of domain decomposition: rates against theory
 #
 # Every iteration solves each body on its own, with a Robin term on its contact faces, and relaxes. $\varphi$, $\gamma$,
-# the order of the bodies ([](../demos/own_method.py)) and a body's solver ([](../demos/own_local_solver.py)) are yours to
-# give; `solution.history` holds residual, change, $\gamma$, the range of $\varphi$ and the number of solves of single
-# bodies after every iteration.
+# the order of the bodies ([](../demos/own_method.py)) and a body's solver ([](../demos/own_local_solver.py)) are yours
+# to give; `solution.history` holds residual, change, $\gamma$, the range of $\varphi$ and the number of solves of
+# single bodies after every iteration.
 #
 # Two columns of stiffness $s_1, s_2$ (stress per length) are held at their far ends, with a linear layer $k$ between
 # them. With $\varphi = k$ the errors $e_1, e_2$ of their ends obey
