@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
+
 import numpy as np
 import pytest
 from test_deck_scene import Deck, M, cubes, rings
@@ -27,8 +30,9 @@ QUARTERS = {
     "four pairs in a line": ("\n0., 1., 0.1, 2., 0.2, 3., 0.3, 4.\n2., 0.25", "1., 2.\n", ""),
     "up and down": ("\n0., 0., 2., 1., 4., 0.25\n", "0.1, 4.\n", ""),
     "shifted": (", SHIFTX=1., SHIFTY=-0.75\n0., 0., 1., 1.\n", ", 2.\n", ""),
-    "kept by a later step": ("\n0., 0., 1., 0.25\n", "", NEXT),
+    "kept by a later step": ("\n0., 0., 1., 0.25, 3., 7.\n", "", NEXT),
     "total time": (", TIME=TOTAL TIME\n0., 0., 4., 0.25\n", ", 4.\n", ""),
+    "total time of two steps": (", TIME=TOTAL TIME\n0., 9., 3., 9., 4., 0.25\n", "", NEXT),
 }
 
 
@@ -65,16 +69,32 @@ def test_temperatures(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("amplitude", "last", "words"),
+    ("amplitude", "words"),
     [
-        ("\n0., 0., 3., 1.\n", NEXT, r"\*DLOAD, AMPLITUDE that is another one at the end of a later step"),
-        (", DEFINITION=PERIODIC\n1, 2., 0., 0.\n0., 1.\n", "", r"\*AMPLITUDE, DEFINITION or VALUE"),
-        (", VALUE=ABSOLUTE\n0., 0., 1., 1.\n", "", r"\*AMPLITUDE, DEFINITION or VALUE"),
-        ("B\n0., 0., 1., 1.\n", "", "there is no \\*AMPLITUDE 'A' before it"),
-        ("\n0., 0., 1.\n", "", r"\*AMPLITUDE that cannot be read"),
+        (", DEFINITION=PERIODIC\n1, 2., 0., 0.\n0., 1.\n", r"\*AMPLITUDE, DEFINITION or VALUE"),
+        (", VALUE=ABSOLUTE\n0., 0., 1., 1.\n", r"\*AMPLITUDE, DEFINITION or VALUE"),
+        ("B\n0., 0., 1., 1.\n", "there is no \\*AMPLITUDE 'A' before it"),
+        ("\n0., 0., 1.\n", r"\*AMPLITUDE that cannot be read"),
     ],
 )
-def test_what_is_not_understood(tmp_path, amplitude, last, words):
-    deck = with_amplitude(cubes(LINEAR, "*DLOAD, AMPLITUDE=A\nUPPER, P1, -25.\n"), amplitude, "", last)
+def test_what_is_not_understood(tmp_path, amplitude, words):
+    deck = with_amplitude(cubes(LINEAR, "*DLOAD, AMPLITUDE=A\nUPPER, P1, -25.\n"), amplitude)
     with pytest.raises(ValueError, match=words):
         cd.read_scene(deck.write(tmp_path))
+
+
+@pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX is not installed")
+@pytest.mark.parametrize("time", ["", ", TIME=TOTAL TIME"])
+def test_calculix_means_the_same(tmp_path, time):
+    """The force at the end of a second step of twice the length, by the reactions of the floor."""
+    told = "*NODE PRINT, NSET=LOWER_BELOW, TOTALS=ONLY\nRF\n"
+    deck = cubes(LINEAR, f"*CLOAD, AMPLITUDE=A\nUPPER_BELOW, 3, -0.25\n{told}")
+    deck.text = deck.text.replace("1.E7,\n", "1.E7, 3.\n").replace(
+        "NODE TO SURFACE\nSLAVE", "SURFACE TO SURFACE\nBELOW"
+    )
+    last = f"*STEP\n*STATIC\n2., 2.\n{told}*END STEP\n"
+    path = with_amplitude(deck, f"{time}\n0., 0., 2., 1., 3., 0.2\n", "1., 1.\n", last).write(tmp_path)
+    subprocess.run(["ccx", path.stem], cwd=tmp_path, check=True, capture_output=True, timeout=60)
+    totals = (tmp_path / "deck.dat").read_text().split("total force")[-1].split("\n\n")[1]
+    # The file has seven digits.
+    assert cd.solve(cd.read_scene(path)).contact().force == pytest.approx(float(totals.split()[2]), rel=1e-6)

@@ -19,10 +19,12 @@ class Amplitude:
     factors: Floats
     total: bool
 
-    def at_ends(self, periods: Sequence[float]) -> list[float]:
-        """The factor at the end of each step."""
-        times = np.cumsum(periods) if self.total else periods
-        return [float(factor) for factor in np.interp(times, self.times, self.factors)]
+    def at_end(self, periods: Sequence[float], step: int) -> float:
+        """The factor, at the end of the last step, of a load that is given in a step (from 0) and not replaced.
+
+        What runs over the time of its step keeps its value afterwards, what runs over the total time goes on.
+        """
+        return float(np.interp(sum(periods) if self.total else periods[step], self.times, self.factors))
 
 
 def periods_of(cards: Sequence[Card]) -> list[float]:

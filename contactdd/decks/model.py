@@ -273,7 +273,7 @@ def _amplitude(model: Model, card: Card) -> None:
 
 
 def _factor(model: Model, card: Card) -> float:
-    """What a card's values are multiplied by at the end of its step, and of all steps after it."""
+    """What a card's values are multiplied by at the end of the last step."""
     for name in ("SUBMODEL", "USER", "TYPE", "FIXED", "TIMEDELAY"):
         if name in card.parameters and card.parameters[name] not in ("DISPLACEMENT",):
             model.not_understood(f"{card.keyword}, {name}")
@@ -281,11 +281,7 @@ def _factor(model: Model, card: Card) -> float:
         return 1.0
     if card.parameters["AMPLITUDE"] not in model.amplitudes:
         raise ValueError(f"there is no *AMPLITUDE {card.parameters['AMPLITUDE']!r} before it")
-    amplitude = model.amplitudes[card.parameters["AMPLITUDE"]]
-    now, *later = amplitude.at_ends(model.periods)[max(model._steps, 1) - 1 :]
-    if any(value != now for value in later):  # programs differ in whether it goes on
-        model.not_understood(f"{card.keyword}, AMPLITUDE that is another one at the end of a later step")
-    return now
+    return model.amplitudes[card.parameters["AMPLITUDE"]].at_end(model.periods, max(model._steps, 1) - 1)
 
 
 def _boundary(model: Model, card: Card) -> None:
