@@ -5,14 +5,16 @@ Names are filled up to 80 characters with blanks or zeros. Corners of solid cell
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Integers
-from .contents import Block, Contents, in_order, merged
+from .contents import Block, Contents, merged
+from .deck import DECK_EDGES
 from .kinds import EDGES, HEXAHEDRON_FACES, Kind
 
 #: The dimension and kind of the elements by the name of their geometry.
@@ -43,9 +45,9 @@ TURNED = {"tetrahedron": (0, 2, 1, 3), "hexahedron": (0, 3, 2, 1, 4, 7, 6, 5)}
 
 #: The corners between which the further nodes of solid cells lie.
 BETWEEN: dict[str, tuple[tuple[int, ...], ...]] = {
-    "tetrahedron": ((0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)),
+    "tetrahedron": DECK_EDGES["tetrahedron"],
     "hexahedron": (
-        *((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)),
+        *DECK_EDGES["hexahedron"],
         *((0, 1, 2, 3), (0, 1, 4, 5), (1, 2, 5, 6), (2, 3, 6, 7), (3, 0, 7, 4), (4, 5, 6, 7)),
         tuple(range(8)),
     ),
@@ -76,30 +78,25 @@ def _contents(source: str, file: Any, dim: int | None) -> Contents:
     of_cells, of_nodes = _groups(families.get("ELEME", {})), _groups(families.get("NOEUD", {}))
     elements = list(_elements(source, mesh["MAI"]))
     dim = max([2, *(each for each, _, _ in elements)]) if dim is None else dim
-    bodies = (
-        (group, block.numbers[np.isin(family, members)])
-        for each, block, family in elements
-        for group, members in of_cells.items()
-        if each == dim
-    )
+    bodies = merged((group, block.numbers[ours]) for group, block, ours in _in_groups(elements, of_cells, dim))
     surfaces: dict[str, list[Integers]] = {}
-    for each, block, family in elements:
-        for group, members in of_cells.items():
-            ours = np.isin(family, members)
-            if each == dim - 1 and np.any(ours):
-                surfaces.setdefault(group, []).append(block.nodes[ours, : block.kind.corners])
+    for group, block, ours in _in_groups(elements, of_cells, dim - 1):
+        surfaces.setdefault(group, []).append(block.nodes[ours, : block.kind.corners])
     numbers, family = np.arange(1, len(x) + 1), _families(mesh["NOE"], len(x))
     sets = {group: numbers[np.isin(family, members)] for group, members in of_nodes.items()}
-    return Contents(
-        source,
-        dim,
-        *in_order(source, numbers, x),
-        [block for each, block, _ in elements if each == dim],
-        {group: cells for group, cells in merged(bodies).items() if len(cells)},
-        True,
-        surfaces,
-        sets,
-    )
+    blocks = [block for each, block, _ in elements if each == dim]
+    return Contents(source, dim, numbers, x, blocks, bodies, True, surfaces, sets)
+
+
+def _in_groups(
+    elements: Sequence[tuple[int, Block, Integers]], groups: Mapping[str, Sequence[int]], dim: int
+) -> Iterator[tuple[str, Block, NDArray[np.bool_]]]:
+    """Each group that has elements of a dimension in a block: its name, the block and the mask of its elements."""
+    for each, block, family in elements:
+        for name, members in groups.items() if each == dim else ():
+            ours = np.isin(family, members)
+            if np.any(ours):
+                yield name, block, ours
 
 
 def _only(source: str, meshes: Any) -> tuple[str, Any]:
