@@ -376,7 +376,7 @@ def test_cells_of_other_kinds_may_be_in_other_bodies():
     )
     assert areas(both.mesh("low")) == pytest.approx({"joint": 1.0})
     assert areas(both.mesh("high")) == pytest.approx({"joint": 1.0, "top": 1.0})
-    with pytest.warns(cd.ContactWarning, match="cut in two"):
+    with pytest.warns(cd.ContactWarning, match="which are cut into"):
         assert volume(both.mesh()) == pytest.approx(2.0)
 
 

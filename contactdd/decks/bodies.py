@@ -16,7 +16,8 @@ from ..body import Body
 from ..eigenstrain import ThermalStrain
 from ..files.contents import Contents
 from ..files.deck import Card, side
-from ..files.kinds import CUT, SERENDIPITY, Kind
+from ..files.kinds import SERENDIPITY, Kind
+from ..files.simplices import simplex_of
 from ..load import BodyForce, Pressure
 from ..material import Material
 from ..mesh import Mesh
@@ -32,8 +33,8 @@ KINEMATICS = {"CPE": "plane strain", "CPS": "plane stress", "CAX": "axisymmetric
 class Part:
     """A part of a deck's mesh that shares no node with the others.
 
-    elements: their numbers; nodes: the numbers of all their nodes, sorted; kind: of all cells, or of the quadrilaterals
-    where there are triangles too; name: of the body.
+    elements: their numbers; nodes: the numbers of all their nodes, sorted; kind: of all cells, or of the
+    largest where they are cut into one kind; name: of the body.
     """
 
     elements: Integers
@@ -65,7 +66,7 @@ def parts_of(model: Model, contents: Contents) -> list[Part]:
         elements = np.sort(np.array([number for number, _, _ in ours]))
         nodes = np.unique(np.concatenate([nodes for _, nodes, _ in ours]))
         kinds = {kind for _, _, kind in ours}
-        if len(kinds) > 1 and kinds not in CUT:
+        if len(kinds) > 1 and simplex_of(kinds) is None:
             raise ValueError(
                 f"{contents.source} has a body of {' and '.join(sorted(map(str, kinds)))}; expected one kind"
             )
@@ -137,7 +138,8 @@ def _mesh(model: Model, contents: Contents, part: Part) -> Mesh:
     surfaces = dict(contents.surfaces)
     for value, faces in _pressures(model, part).items():
         rows = [_face(model, contents, number, label) for number, label in faces]
-        surfaces[_pressed(value)] = [np.array(rows)]
+        counts = {len(row) for row in rows}
+        surfaces[_pressed(value)] = [np.array([row for row in rows if len(row) == count]) for count in counts]
     bodies = {**contents.bodies, part.name: part.elements}
     return replace(contents, bodies=bodies, surfaces=surfaces).mesh(part.name)
 

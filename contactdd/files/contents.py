@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from warnings import warn
@@ -16,7 +16,8 @@ from ..base.checks import listed
 from ..base.conformity import numbered, side_corners
 from ..errors import ContactWarning
 from ..mesh import Mesh, from_arrays, inside_the_body
-from .kinds import CUT, DEGREES, SERENDIPITY, SIDES, Kind, completed, halves
+from . import simplices
+from .kinds import DEGREES, SERENDIPITY, SIDES, Kind, completed
 
 
 @dataclass(frozen=True)
@@ -59,15 +60,19 @@ class Contents:
         """
         blocks = self._blocks(body)
         whose = "" if body is None else f" in the group {body!r}"
-        if {block.kind for block in blocks} in CUT:
-            warn(
-                f"{self.source} has triangles and quadrilaterals{whose}; the quadrilaterals are cut in two, since a "
-                "body has cells of one kind",
-                ContactWarning,
-                stacklevel=3,
-            )
-            return self._in_triangles._made(self._in_triangles._blocks(body), whose)
-        return self._made(blocks, whose)
+        kinds = {block.kind for block in blocks}
+        simplex = simplices.simplex_of(kinds)
+        if simplex is None:
+            return self._made(blocks, whose)
+        cut = self._in_triangles if self.dim == 2 else self._in_tetrahedra
+        mesh = cut._made(cut._blocks(body), whose)
+        warn(
+            f"{self.source} has {_listed(kinds)}{whose}, which are cut into {simplex}: a body here has cells of one "
+            "kind, and no prisms or pyramids",
+            ContactWarning,
+            stacklevel=3,
+        )
+        return mesh
 
     def _made(self, blocks: Sequence[Block], whose: str) -> Mesh:
         """The mesh of cells of one kind."""
@@ -121,7 +126,7 @@ class Contents:
         return np.unique(np.concatenate(groups)) if len(groups) else np.zeros(0, dtype=np.int64)
 
     def _check_kinds(self, kinds: Sequence[Kind], whose: str) -> None:
-        names = " and ".join(sorted({str(kind) for kind in kinds}))
+        names = _listed(kinds)
         if len(set(kinds)) > 1:
             raise KindError(
                 f"{self.source} has cells of several kinds{whose}: {names}; expected one kind in a body. Mesh it with "
@@ -136,14 +141,52 @@ class Contents:
         """The same contents with every quadrilateral of degree 1 or 2 cut into two triangles of its degree."""
         blocks, x, numbers = [], self.x, self.numbers
         for block in self.blocks:
-            if block.kind.shape == "quadrilateral" and block.kind.nodes in (4, 8, 9):
-                self._check_nodes(block.kind, block.nodes)
-                _, places, x = completed(block.kind, np.searchsorted(self.numbers, block.nodes), x)
-                numbers = np.concatenate([numbers, numbers[-1] + 1 + np.arange(len(x) - len(numbers))])
-                nodes = numbers[halves(places, x)]
-                block = Block(Kind("triangle", nodes.shape[1]), np.repeat(block.numbers, 2), nodes)
+            for degree, kinds in simplices.QUADRILATERALS.items():
+                if block.kind in kinds:
+                    self._check_nodes(block.kind, block.nodes)
+                    _, places, x = completed(block.kind, np.searchsorted(self.numbers, block.nodes), x)
+                    numbers = np.concatenate([numbers, numbers[-1] + 1 + np.arange(len(x) - len(numbers))])
+                    block = Block(
+                        simplices.TRIANGLES[degree], np.repeat(block.numbers, 2), numbers[simplices.halves(places, x)]
+                    )
             blocks.append(block)
         return replace(self, numbers=numbers, x=x, blocks=blocks)
+
+    @cached_property
+    def _in_tetrahedra(self) -> Contents:
+        """The same contents with every solid cell of degree 1 cut into tetrahedra, and the groups of its sides."""
+        blocks = []
+        for block in self.blocks:
+            if block.kind in simplices.SOLIDS:
+                self._check_nodes(block.kind, block.nodes)
+                cells, owners = simplices.tetrahedra(block.kind, block.nodes)
+                bad = simplices.turned_over(self.x[np.searchsorted(self.numbers, cells)], owners)
+                if bad:
+                    raise KindError(
+                        f"{self.source}: {bad} of the {block.kind} are too distorted to be cut into tetrahedra"
+                    )
+                block = Block(simplices.TETRAHEDRA, block.numbers[owners], cells)
+            blocks.append(block)
+        self._check_sides()
+        surfaces = {
+            name: [simplices.side_halves(array) if array.shape[1] == 4 else array for array in arrays]
+            for name, arrays in self.surfaces.items()
+        }
+        return replace(self, blocks=blocks, surfaces=surfaces)
+
+    def _check_sides(self) -> None:
+        """Refuse cells that have a side of three corners on another cell's side of four, where cuts need not meet."""
+        sides = self._all_sides.get(4, np.zeros((0, 4), dtype=np.int64))
+        alone = numbered(sides)
+        outer = sides[np.bincount(alone)[alone] == 1]
+        parts = np.concatenate([np.delete(outer, corner, axis=1) for corner in range(4)])
+        bad = _matches(self._all_sides.get(3, parts[:0]), parts)
+        if len(bad):
+            at = self.x[self._all_sides[3][bad[0]]].mean(axis=0)
+            raise KindError(
+                f"{self.source}: {len(bad)} triangular sides of cells lie on a side of four corners, one of them at "
+                f"{at}; expected cells that meet side to side"
+            )
 
     def _check_nodes(self, kind: Kind, nodes: Integers) -> None:
         """Refuse cells whose nodes are not there or not all different, and nodes that hang."""
@@ -277,6 +320,10 @@ def _matches(facets: Integers, rows: Integers) -> Integers:
         return near
     numbers = numbered(np.concatenate([facets[near], rows]))
     return near[np.isin(numbers[: len(near)], numbers[len(near) :])]
+
+
+def _listed(kinds: Iterable[Kind]) -> str:
+    return " and ".join(sorted({str(kind) for kind in kinds}))
 
 
 def _dim(kind: Kind) -> int:

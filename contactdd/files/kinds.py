@@ -85,39 +85,6 @@ SERENDIPITY = {
 }
 
 
-#: Plane cells of several kinds that are read as triangles.
-CUT = (
-    {Kind("triangle", 3), Kind("quadrilateral", 4)},
-    {Kind("triangle", 6), Kind("quadrilateral", 8)},
-    {Kind("triangle", 6), Kind("quadrilateral", 9)},
-    {Kind("triangle", 6), Kind("quadrilateral", 8), Kind("quadrilateral", 9)},
-)
-
-#: The nodes of the two halves of a quadrilateral of 9 nodes, cut from the corner 0 and from the corner 1.
-HALVES = (((0, 1, 2, 4, 5, 8), (0, 2, 3, 8, 6, 7)), ((0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 6, 8)))
-
-
-def halves(nodes: Integers, x: Floats) -> Integers:
-    """The triangles (2 · cells, 3 or 6) of quadrilaterals (cells, 4 or 9), each cut so that its smaller half is larger.
-
-    Where both cuts are alike, as in a square, it is the one through the node of the smallest number.
-    """
-    corners = x[nodes[:, :4]]
-    count = 3 if nodes.shape[1] == 4 else 6
-    areas = np.array([[_doubled_areas(corners[:, half[:3]]) for half in cut] for cut in HALVES])
-    areas = (areas * np.sign(areas[0].sum(axis=0))).min(axis=1)
-    first = np.argmin(nodes[:, :4], axis=1) % 2 == 0
-    chosen = np.where(np.abs(areas[0] - areas[1]) > 1e-6 * areas.max(axis=0), areas[0] > areas[1], first)
-    one, other = (nodes[:, [half[:count] for half in cut]] for cut in HALVES)
-    return np.where(chosen[:, None, None], one, other).reshape(-1, count)
-
-
-def _doubled_areas(corners: Floats) -> Floats:
-    """Twice the areas, with their signs, of triangles (cells, 3, 3) in a plane z = constant."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-
-
 def completed(kind: Kind, nodes: Integers, x: Floats) -> tuple[Kind, Integers, Floats]:
     """Cells of 8 or 20 nodes as cells of 9 or 27, which have the same shape: kind, nodes (cells, n) and x (nodes, 3).
 

@@ -53,7 +53,8 @@ def read_mesh(
 ) -> Mesh:
     r"""The mesh of a body in a file of gmsh, Abaqus, CalculiX, Nastran or Salome, with its named surfaces.
 
-    Where there are triangles and quadrilaterals in a body, the quadrilaterals are cut in two, with a warning.
+    The quadrilaterals of a body that has triangles too are cut into triangles, straight prisms and pyramids and what is
+    beside them into tetrahedra, with a warning.
 
     Args:
         path: The path of the file; its first bytes tell the format.
