@@ -167,11 +167,23 @@ def test_other_mixtures_leave_the_other_bodies(tmp_path):
         cd.read_bodies(path)
 
 
+def test_groups_of_sides_of_other_bodies_are_left_alone(tmp_path):
+    """A prism beside two hexahedra of a body of their own: each has its part of the group of sides at z = 0."""
+    points = [*CUBE, (2, 0, 0), (2, 0, 1), (-1, 0, 0), (-1, 1, 0), (-1, 0, 1), (-1, 1, 1)]
+    cells = ["5 1 1 2 3 4 5 6 7 8", "5 1 11 1 4 12 13 5 8 14", "6 2 2 9 3 6 10 7"]
+    path = solid(tmp_path / "two.msh", points, [*cells, "3 9 1 2 3 4", "2 9 2 9 3", "3 8 2 9 10 6"], {1: "a", 2: "b"})
+    with pytest.warns(cd.ContactWarning, match="6-node prisms in the group 'b'"):
+        bodies = cd.read_bodies(path)
+    assert bodies["a"].domain.topology.cell_name() == "hexahedron"
+    assert sizes(bodies["a"]) == (pytest.approx(2.0), {"9": pytest.approx(1.0)})
+    assert sizes(bodies["b"]) == (pytest.approx(0.5), {"9": pytest.approx(0.5), "8": pytest.approx(1.0)})
+
+
 def test_distorted_cells_are_not_cut(tmp_path):
     """A hexahedron whose corner has gone through the opposite side."""
     points = [*CUBE[:6], (-0.5, -0.5, -0.5), CUBE[7], (2, 0, 0), (2, 0, 1)]
     path = solid(tmp_path / "bad.msh", points, ["5 1 1 2 3 4 5 6 7 8", "6 1 2 9 3 6 10 7"], {1: "bad"})
-    with pytest.raises(ValueError, match="1 of the 8-node hexahedra are too distorted"):
+    with pytest.raises(ValueError, match="1 of the 8-node hexahedra are too distorted to be cut"):
         cd.read_mesh(path)
 
 

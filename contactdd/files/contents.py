@@ -64,6 +64,8 @@ class Contents:
         simplex = simplices.simplex_of(kinds)
         if simplex is None:
             return self._made(blocks, whose)
+        if self.dim == 3:
+            self._check_cuts(blocks)
         cut = self._in_triangles if self.dim == 2 else self._in_tetrahedra
         mesh = cut._made(cut._blocks(body), whose)
         warn(
@@ -158,34 +160,41 @@ class Contents:
         blocks = []
         for block in self.blocks:
             if block.kind in simplices.SOLIDS:
-                self._check_nodes(block.kind, block.nodes)
                 cells, owners = simplices.tetrahedra(block.kind, block.nodes)
-                bad = simplices.turned_over(self.x[np.searchsorted(self.numbers, cells)], owners)
-                if bad:
-                    raise KindError(
-                        f"{self.source}: {bad} of the {block.kind} are too distorted to be cut into tetrahedra"
-                    )
                 block = Block(simplices.TETRAHEDRA, block.numbers[owners], cells)
             blocks.append(block)
-        self._check_sides()
+        sides = self._sides([block for block in self.blocks if block.kind in simplices.SOLIDS])[4]
         surfaces = {
-            name: [simplices.side_halves(array) if array.shape[1] == 4 else array for array in arrays]
+            name: [part for array in arrays for part in self._cut_sides(name, array, sides)]
             for name, arrays in self.surfaces.items()
         }
         return replace(self, blocks=blocks, surfaces=surfaces)
 
-    def _check_sides(self) -> None:
-        """Refuse cells that have a side of three corners on another cell's side of four, where cuts need not meet."""
-        sides = self._all_sides.get(4, np.zeros((0, 4), dtype=np.int64))
-        alone = numbered(sides)
-        outer = sides[np.bincount(alone)[alone] == 1]
+    def _cut_sides(self, name: str, nodes: Integers, sides: Integers) -> list[Integers]:
+        """The facets of a group, cut in two where they are among the sides of four corners."""
+        if nodes.shape[1] != 4:
+            return [nodes]
+        ours = _matches(np.sort(self._places(name, nodes), axis=1), sides)
+        return [simplices.side_halves(nodes[ours]), np.delete(nodes, ours, axis=0)]
+
+    def _check_cuts(self, blocks: Sequence[Block]) -> None:
+        """Refuse cells whose tetrahedra would lie outside them, or not meet side to side."""
+        for block in blocks:
+            self._check_nodes(block.kind, block.nodes)
+            if block.kind in simplices.SOLIDS:
+                cells, owners = simplices.tetrahedra(block.kind, block.nodes)
+                bad = simplices.turned_over(self.x[np.searchsorted(self.numbers, cells)], owners)
+                if bad:
+                    raise KindError(f"{self.source}: {bad} of the {block.kind} are too distorted to be cut")
+        sides = self._sides(blocks)
+        alone = numbered(sides[4])
+        outer = sides[4][np.bincount(alone)[alone] == 1]
         parts = np.concatenate([np.delete(outer, corner, axis=1) for corner in range(4)])
-        bad = _matches(self._all_sides.get(3, parts[:0]), parts)
-        if len(bad):
-            at = self.x[self._all_sides[3][bad[0]]].mean(axis=0)
+        bad = len(_matches(sides.get(3, parts[:0]), parts))
+        if bad:
             raise KindError(
-                f"{self.source}: {len(bad)} triangular sides of cells lie on a side of four corners, one of them at "
-                f"{at}; expected cells that meet side to side"
+                f"{self.source}: {bad} triangular sides of cells lie on a side of four corners; expected cells that "
+                "meet side to side"
             )
 
     def _check_nodes(self, kind: Kind, nodes: Integers) -> None:
@@ -296,9 +305,13 @@ class Contents:
 
     @cached_property
     def _all_sides(self) -> dict[int, Integers]:
-        """The sides of all cells by their number of corners, as places in x."""
+        """The sides of all cells, see `_sides`."""
+        return self._sides(self.blocks)
+
+    def _sides(self, blocks: Sequence[Block]) -> dict[int, Integers]:
+        """The sorted corners, as places in x, of the sides of cells by their number of corners."""
         found: dict[int, list[Integers]] = {}
-        for block in self.blocks:
+        for block in blocks:
             for side in SIDES[block.kind.shape]:
                 rows = np.searchsorted(self.numbers, block.nodes[:, side])
                 found.setdefault(len(side), []).append(np.sort(rows, axis=1))
