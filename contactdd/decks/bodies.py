@@ -109,6 +109,7 @@ def body_of(model: Model, contents: Contents, part: Part, types: Mapping[int, st
 
 
 def _sections(model: Model, part: Part) -> list[Section]:
+    """The sections of a part, one where all have the same material."""
     found = [each for each in model.sections if np.any(np.isin(model.elements(each.elset), part.elements))]
     covered = [model.elements(section.elset) for section in found]
     bare = np.setdiff1d(part.elements, np.concatenate([np.zeros(0, dtype=np.int64), *covered]))
@@ -117,7 +118,7 @@ def _sections(model: Model, part: Part) -> list[Section]:
             f"{model.deck.source}: {len(bare)} of the {len(part.elements)} elements of {part.name!r}, one of them "
             f"{bare[0]}, have no *SOLID SECTION"
         )
-    return found
+    return found if len({section.material for section in found}) > 1 else found[:1]
 
 
 def _material(model: Model, section: Section) -> Material:
