@@ -161,7 +161,10 @@ class LoadPath:
     def _labels(self, label: str) -> list[str]:
         """The names of all steps."""
         values = [", ".join(f"{number:g}" for number in np.ravel(value)) for value in self.values]
-        return [label.format(step=step, value=value) for step, value in enumerate(values, 1)]
+        try:
+            return [label.format(step=step, value=value) for step, value in enumerate(values, 1)]
+        except (LookupError, ValueError, AttributeError) as error:
+            raise ValueError(f"label = {label!r}: expected a text with {{step}} and {{value}} ({error!r})") from None
 
     def __len__(self) -> int:
         return len(self.values)

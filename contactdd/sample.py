@@ -70,6 +70,8 @@ def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
     if np.any(interface.prescribed_gap):
         above = x + depth[:, None] * normal  # on the contact, where the gap is given
         shape = evaluate("gap", interface.contact.gap, above.T)
+    if interface.contact.sides[1][0].mesh is None:  # nothing is drawn that the surface could fit
+        return SurfaceFit(fade, normal, shape, np.zeros(len(x)), np.zeros(len(x)))
     measured, deformed = (np.sum(shares * values[around], axis=1) for values in (interface.geometric_gap, gap))
     return SurfaceFit(fade, normal, shape, measured, deformed)
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..base.arrays import TINY, Floats
-from ..base.checks import check_choice, finite, positive
+from ..base.checks import as_floats, check_choice, finite, positive
 from ..body_result import BodyResult
 from ..kinematics import STRESSES
 from .frame import Frame, framed, turning
@@ -166,9 +166,9 @@ def visible_scale(bodies: Sequence[BodyResult]) -> float:
 
 
 def round_limits(values: Sequence[Floats]) -> tuple[float, float]:
-    """Numbers of two digits around all values; around equal ones a tenth of them."""
+    """Numbers of two digits around all values; around equal ones a tenth of them, of 1 around zero."""
     low, high = min(float(value.min()) for value in values), max(float(value.max()) for value in values)
-    size = max(abs(low), abs(high))
+    size = max(abs(low), abs(high)) or 1.0
     if high - low <= 1e-6 * size:  # equal but for rounding
         low, high = low - 0.1 * size, high + 0.1 * size
     step = 10.0 ** np.floor(np.log10(max(high - low, TINY)) - 1.0)
@@ -178,6 +178,8 @@ def round_limits(values: Sequence[Floats]) -> tuple[float, float]:
 
 def _increasing(limits: tuple[float, float]) -> tuple[float, float]:
     """The limits of a bar, checked."""
+    if np.shape(limits) != (2,):
+        raise ValueError(f"limits = {limits!r}: expected two numbers")
     low, high = (finite("limits", limit) for limit in limits)
     if low >= high:
         raise ValueError(f"limits = {limits!r}: expected the lower number first")
@@ -186,7 +188,7 @@ def _increasing(limits: tuple[float, float]) -> tuple[float, float]:
 
 def _point(focus: Sequence[float], dim: int) -> tuple[float, ...]:
     """A point of space from one of `dim` coordinates, checked."""
-    point = np.asarray(focus, dtype=float)
+    point = as_floats("focus", focus, f"the {dim} coordinates of a point")
     if point.shape != (dim,) or not np.all(np.isfinite(point)):
         raise ValueError(f"focus = {focus!r}: expected the {dim} coordinates of a point")
     return tuple(np.pad(point, (0, 3 - dim)))

@@ -44,6 +44,8 @@ def framed(
 
     size: (width, height) of the figure in pixels.
     """
+    if np.shape(size) != (2,):
+        raise ValueError(f"size = {size!r}: expected the width and the height in pixels")
     width, height = (as_count("size", number) for number in size)
     dpi = width / WIDTH
     rows = -(-len(steps) // columns)

@@ -109,6 +109,8 @@ def swept(mesh: Any, sweep: float) -> Any:
     # Else neighbouring cells that are numbered in opposite senses would seem to meet at an edge.
     meridian = meridian.compute_normals(point_normals=False, consistent_normals=True, split_vertices=False)
     meridian.points = np.asarray(meridian.points)[:, [0, 2, 1]]
+    r = meridian.points[:, 0]
+    r[np.abs(r) < 1e-9 * np.abs(r).max()] = 0.0  # else points on the axis, not quite one, are edges of slits
     return meridian.extrude_rotate(angle=sweep, resolution=1 + int(sweep / 2.0), capping=sweep < 360.0).clean()
 
 
@@ -124,8 +126,14 @@ def _surface(mesh: Any, subdivision: int) -> Any:
 
 
 def _outline(mesh: Any, flat: bool) -> Any:
-    return _surface(mesh, 1).extract_feature_edges(
-        manifold_edges=False, feature_edges=not flat, boundary_edges=True, non_manifold_edges=False
+    # Cells that have shrunk on an axis would be third ones at the edges of others, which then are none.
+    return (
+        _surface(mesh, 1)
+        .triangulate()
+        .clean()
+        .extract_feature_edges(
+            manifold_edges=False, feature_edges=not flat, boundary_edges=True, non_manifold_edges=False
+        )
     )
 
 
