@@ -34,3 +34,19 @@ def test_tables_of_time_that_cannot_be_meant(tmp_path, table):
     deck = with_amplitude(cubes(LINEAR, "*CLOAD, AMPLITUDE=A\nUPPER_BELOW, 3, -1.\n"), f"\n{table}")
     with pytest.raises(ValueError, match=r"\*AMPLITUDE that cannot be read \(expected pairs of a time and a factor"):
         cd.read_scene(deck.write(tmp_path))
+
+
+def test_an_amplitude_twice(tmp_path):
+    """CalculiX takes the first of them, which the second is not likely to have been written for."""
+    twice = "\n0., 0., 1., 1.\n*AMPLITUDE, NAME=A\n0., 0., 1., 0.5\n"
+    deck = with_amplitude(cubes(LINEAR, "*CLOAD, AMPLITUDE=A\nUPPER_BELOW, 3, -1.\n"), twice)
+    with pytest.raises(ValueError, match="there is an \\*AMPLITUDE 'A' before it"):
+        cd.read_scene(deck.write(tmp_path))
+
+
+def test_the_direction_of_gravity_has_no_length(tmp_path):
+    """A cube of the density 2 in a gravity of 3, whose direction is told by a vector of the length 2."""
+    deck = cubes(LINEAR, "*DLOAD\nLOWER, GRAV, 3., 0., 0., -2.\n")
+    assert cd.solve(cd.read_scene(deck.write(tmp_path))).forces("LOWER")["loads"] == pytest.approx([0, 0, -6.0])
+    with pytest.raises(ValueError, match="expected a direction that is not zero"):
+        cd.read_scene(cubes(LINEAR, "*DLOAD\nLOWER, GRAV, 3., 0., 0., 0.\n").write(tmp_path))

@@ -268,6 +268,8 @@ def _clearance(model: Model, card: Card) -> None:
 
 def _amplitude(model: Model, card: Card) -> None:
     model.expect(card, "NAME", "TIME", "DEFINITION", "VALUE", "SHIFTX", "SHIFTY")
+    if card.parameters["NAME"] in model.amplitudes:
+        raise ValueError(f"there is an *AMPLITUDE {card.parameters['NAME']!r} before it")
     if (
         card.parameters.get("DEFINITION", "TABULAR") != "TABULAR"
         or card.parameters.get("VALUE", "RELATIVE") != "RELATIVE"
@@ -321,13 +323,22 @@ def _dload(model: Model, card: Card) -> None:
     for row in _rows(card):
         label = row[1].upper()
         if label == "GRAV":
-            direction = np.array([number_of(word) for word in row[3:6]])
-            model.load(model.gravity, row[0].upper(), factor * number_of(row[2]) * direction)
+            acceleration = factor * number_of(row[2]) * _direction([number_of(word) for word in row[3:6]])
+            model.load(model.gravity, row[0].upper(), acceleration)
         elif re.fullmatch(r"P\d", label):
             for element in model.elements(row[0]):
                 model.load(model.pressures, (element, "S" + label[1:]), factor * number_of(row[2]))
         else:
             model.not_understood(f"DLOAD {label}")
+
+
+def _direction(components: Sequence[float]) -> Floats:
+    """The unit vector (3,) along some components; those left out are zero."""
+    vector = np.pad(components, (0, 3 - len(components)))
+    length = np.linalg.norm(vector)
+    if length == 0.0:
+        raise ValueError("expected a direction that is not zero")
+    return vector / length
 
 
 def _dsload(model: Model, card: Card) -> None:
