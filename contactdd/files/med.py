@@ -145,10 +145,14 @@ def _elements(source: str, kinds: Any) -> Iterator[tuple[int, Block, Integers]]:
         if geometry not in KINDS:
             raise ValueError(f"{source} has elements of the geometry {geometry}, which are not known here")
         dim, kind = KINDS[geometry]
+        count, left = divmod(len(of["NOD"]), kind.nodes)
+        family = _families(of, count)
+        if left or len(family) != count:
+            raise ValueError(f"{source} has {len(of['NOD'])} nodes and {len(family)} families of the {kind}")
         nodes = of["NOD"][:].reshape(kind.nodes, -1).T.astype(np.int64)
-        numbers = np.arange(first, first + len(nodes))
-        first += len(nodes)
-        yield dim, Block(kind, numbers, nodes[:, _order(kind)]), _families(of, len(nodes))
+        numbers = np.arange(first, first + count)
+        first += count
+        yield dim, Block(kind, numbers, nodes[:, _order(kind)]), family
 
 
 def _order(kind: Kind) -> list[int]:
