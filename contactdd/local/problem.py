@@ -289,7 +289,7 @@ def rigid_motions(
         Resistance(
             trace.interface,
             np.sqrt(trace.side.surface.weights)[:, None] * (trace.robin_trace @ modes),
-            trace.side.transfer,
+            trace.side,
         )
         for trace in traces
     ]
