@@ -82,9 +82,9 @@ class Interface:
     x: (n, dim) coordinates on the first surface, the smooth one behind its facets if they do not match the second's, or
     the nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; geometric_gap: (n,) the part of
     the initial gap d found from the meshes; prescribed_gap: (n,) the part prescribed by the user; prescription: how to
-    evaluate that part again; sides: both bodies; nodal: makes the linear functions of one surface's nodes;
-    unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second surface's
-    opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
+    evaluate that part again; sides: both bodies; nodal: from both sides' surfaces to the linear functions of one's
+    nodes; unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second
+    surface's opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
     points are no nodes; centres: (n, dim) the centres of what acts at nodes, ∫ ψ x / ∫ ψ, None where they are `x`;
     doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is meant, None if they do
     not; slides: None, or the index of the contact whose sliding along an axis this interface is, `normal` then being
@@ -100,7 +100,7 @@ class Interface:
     prescribed_gap: Floats
     prescription: PrescribedGap
     sides: tuple[InterfaceSide, InterfaceSide]
-    nodal: Callable[[], LinearFunctions]
+    nodal: Callable[..., LinearFunctions]
     unpaired_area: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
@@ -129,7 +129,7 @@ class Interface:
     @cached_property
     def functions(self) -> LinearFunctions:
         """The linear functions of the nodes of one surface."""
-        return self.nodal()
+        return self.nodal(*(side.surface for side in self.sides))
 
     def nodal_field(self, pressure: Floats) -> Floats:
         """A pressure at the points, L²-projected onto the linear functions: its values at all nodes of their surface.
@@ -269,7 +269,7 @@ def discretise(
         shape,
         given,
         sides,
-        lambda: _linear_functions(first, second, matched),
+        partial(_linear_functions, matched),
         facets=matched.facets,
     )
 
@@ -300,7 +300,7 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
         given.at(contact.gap),
         given,
         (first, second),
-        lambda: LinearFunctions(own, own.points, own.weights, own.average),
+        lambda *_: LinearFunctions(own, own.points, own.weights, own.average),
     )
 
 
@@ -342,7 +342,7 @@ def _nodes_opposite_meshless(
         given.at(contact.gap),
         given,
         (first, second),
-        lambda: LinearFunctions(own, own.points, own.weights, sampling.mean),
+        lambda *_: LinearFunctions(own, own.points, own.weights, sampling.mean),
         gathered=sampling.gathered,
         centres=sampling.means(own.points.x),
     )
@@ -425,7 +425,7 @@ def _meshless_along(body: MeshlessBody, x: Floats) -> Callable[[Floats], scipy.s
     return along
 
 
-def _no_functions() -> LinearFunctions:
+def _no_functions(*_: PointSurface) -> LinearFunctions:
     raise ValueError("a contact between bodies without a mesh has no functions of facets; expected its own points")
 
 
@@ -454,7 +454,7 @@ def _surfaces(contact: Contact, quadrature: Quadrature) -> tuple[ContactSurface,
     if surface == opposite:
         isometry = other.elements.isometry_from(body.elements)
         if isometry is not None:
-            return first, first.copied(other, isometry)
+            return first, first.copied(other, opposite, isometry)
     return first, ContactSurface(other, opposite, quadrature)
 
 
@@ -495,7 +495,7 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
         shape,
         given,
         (sides[0], sides[1]),
-        lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
+        partial(_functions_on_segments, partners, sampling),
         (unpaired[0], unpaired[1]),
         gathered=sampling.gathered,
         centres=None if sampling.nodes is None else sampling.means(x),
@@ -519,7 +519,13 @@ def _trace(surface: ContactSurface, partners: PointPairs, side_index: int, sign:
     return trace if stretch is None else trace + stretch
 
 
-def _linear_functions(first: ContactSurface, second: ContactSurface, matched: Matching) -> LinearFunctions:
+def _functions_on_segments(partners: PointPairs, sampling: Sampling, *surfaces: ContactSurface) -> LinearFunctions:
+    """The linear functions of one surface's nodes on the segments of both."""
+    side = side_of_nodes((surfaces[0], surfaces[1]), partners.facets)
+    return LinearFunctions(surfaces[side], partners.points[side], partners.weights, sampling.mean)
+
+
+def _linear_functions(matched: Matching, first: ContactSurface, second: ContactSurface) -> LinearFunctions:
     """The linear functions of one surface's nodes on meshes that match."""
     if side_of_nodes((first, second), (np.arange(len(first.facets)), matched.facets)) == 0:
         return LinearFunctions(first, first.points, first.weights, first.average)
