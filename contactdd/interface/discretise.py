@@ -84,10 +84,10 @@ class Interface:
     the initial gap d found from the meshes; prescribed_gap: (n,) the part prescribed by the user; prescription: how to
     evaluate that part again; sides: both bodies; nodal: from both sides' surfaces to the linear functions of one's
     nodes; unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second
-    surface's opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
-    points are no nodes; centres: (n, dim) the centres of what acts at nodes, ∫ ψ x / ∫ ψ, None where they are `x`;
-    doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is meant, None if they do
-    not; slides: None, or the index of the contact whose sliding along an axis this interface is, `normal` then being
+    surface's opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None
+    where the points are no nodes; centres: (n, dim) the centres of what acts at nodes, ∫ ψ x / ∫ ψ, None where they are
+    `x`; doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is meant, None if they
+    do not; slides: None, or the index of the contact whose sliding along an axis this interface is, `normal` then being
     that axis; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact integrals are sums
     over the points: J = Σ weights ∫₀^z g⁻.
     """

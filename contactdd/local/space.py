@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..body import Body
 
 
-#: Entries up to which a dense product is faster than a sparse one.
+#: Entries up to which a dense product is faster than a sparse one. Of many bodies they are too much to keep.
 SMALL = 2**14
 
 
@@ -124,8 +124,11 @@ class AdmissibleSpace:
         marked[dofs] = True
         return np.flatnonzero(marked[self.free_dofs])
 
-    def columns_of(self, kept: Indices) -> Callable[[scipy.sparse.csr_matrix], Operator]:
-        """From operators on all degrees of freedom to those on the kept unknowns; dense if small and Z only selects."""
+    def columns_of(self, kept: Indices, small: int = SMALL) -> Callable[[scipy.sparse.csr_matrix], Operator]:
+        """From operators on all degrees of freedom to those on the kept unknowns.
+
+        They are dense where Z only selects and they have no more entries than `small`.
+        """
         if self.mixing is not None:
             some = self.mixing[:, kept]
             return lambda operator: (operator @ some).tocsr()
@@ -134,9 +137,10 @@ class AdmissibleSpace:
         def chosen(operator: scipy.sparse.csr_matrix) -> Operator:
             shape, columns = (operator.shape[0], len(kept)), numbers[operator.indices]
             present = columns >= 0
+            if shape[0] * shape[1] > small:
+                ends = np.concatenate([[0], np.cumsum(present)])[operator.indptr]
+                return scipy.sparse.csr_matrix((operator.data[present], columns[present], ends), shape=shape)
             rows = np.repeat(np.arange(shape[0]), np.diff(operator.indptr))[present]
-            if shape[0] * shape[1] > SMALL:
-                return scipy.sparse.csr_matrix((operator.data[present], (rows, columns[present])), shape=shape)
             dense = np.zeros(shape)
             dense[rows, columns[present]] = operator.data[present]
             return dense
