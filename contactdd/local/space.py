@@ -114,7 +114,11 @@ class AdmissibleSpace:
         """Zᵀ @ matrix @ Z."""
         if self.mixing is not None:
             return (self.mixing.T @ matrix @ self.mixing).tocsr()
-        return matrix[self.free_dofs][:, self.free]
+        rows = matrix[self.free_dofs]
+        columns = self.numbers[rows.indices]  # in the same order: SciPy's own way looks for repeated ones
+        present = columns >= 0
+        ends = np.concatenate([[0], np.cumsum(present)])[rows.indptr]
+        return scipy.sparse.csr_matrix((rows.data[present], columns[present], ends), shape=(self.size, self.size))
 
     def unknowns_at(self, dofs: Indices) -> Indices:
         """The unknowns on which some degrees of freedom depend, in order."""
