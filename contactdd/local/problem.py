@@ -256,10 +256,13 @@ def contact_traces(
     sides: Sequence[tuple[int, InterfaceSide]],
     space: AdmissibleSpace,
     kept: Indices | None = None,
-    small: int = SMALL,
+    crowded: bool = False,
 ) -> list[ContactTrace]:
-    """The traces of a body's sides on all unknowns of its admissible space, or on those `kept`; small: see there."""
-    some, found = space.columns if kept is None else space.columns_of(kept, small), []
+    """The traces of a body's sides on all unknowns of its admissible space, or on those `kept`.
+
+    crowded: see `LocalTask`.
+    """
+    some, found = space.columns if kept is None else space.columns_of(kept, 0 if crowded else SMALL), []
     for index, side in sides:
         trace = some(side.trace)
         robin_trace = trace if side.surface.trace is side.trace else some(side.surface.trace)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ..body import Body
 
 
-#: Entries up to which a dense product is faster than a sparse one. Of many bodies they are too much to keep.
+#: Entries up to which a dense product is faster than a sparse one.
 SMALL = 2**14
 
 
@@ -128,7 +128,7 @@ class AdmissibleSpace:
         marked[dofs] = True
         return np.flatnonzero(marked[self.free_dofs])
 
-    def columns_of(self, kept: Indices, small: int = SMALL) -> Callable[[scipy.sparse.csr_matrix], Operator]:
+    def columns_of(self, kept: Indices, small: int) -> Callable[[scipy.sparse.csr_matrix], Operator]:
         """From operators on all degrees of freedom to those on the kept unknowns.
 
         They are dense where Z only selects and they have no more entries than `small`.
