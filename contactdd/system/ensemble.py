@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Operator, slices
-from ..base.sparse import along_diagonal, stacked
+from ..base.sparse import along_diagonal
 from ..interface.discretise import Interface
 from ..layer import Layer
 from ..local.problem import ContactTrace, LocalProblem
@@ -213,9 +213,10 @@ class Ensemble:
     def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
         """The same, or its dense form, the prescribed part, and where each body begins."""
         offsets = [np.concatenate([port.offset for port in problem.traces]) for problem in self.problems]
-        if not self.dense:
+        ports = [port for problem in self.problems for port in problem.traces]
+        if not self.dense or not all(isinstance(port.trace, np.ndarray) for port in ports):
             return self._stacked_traces, np.concatenate(offsets), _starts(offsets)
-        traces = [stacked([port.trace for port in problem.traces]) for problem in self.problems]
+        traces = [np.vstack([port.trace for port in problem.traces]) for problem in self.problems]
         return self._along_diagonal(traces), np.concatenate(offsets), _starts(offsets)
 
     @cached_property
