@@ -177,7 +177,7 @@ def draw(rows: list[dict[str, Any]], path: Path) -> None:
         axes.set(xlabel="bodies", ylabel=what)
         axes.set_ylim(bottom=0)
         axes.grid(alpha=0.3)
-    both[0].legend(frameon=False)
+    figure.legend(*both[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(SCENES), frameon=False)
     figure.savefig(path, dpi=150)
 
 
