@@ -20,7 +20,8 @@ from .body import Body
 from .coefficient_value import CoefficientValue, coefficient_values
 from .contact import Contact
 from .hard_contact import HardContact
-from .interface.discretise import Interface, discretise
+from .interface.alike import discretise_all
+from .interface.discretise import Interface
 from .layer import Layer
 from .load import BodyLoad
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
@@ -79,9 +80,8 @@ class Scene:
         """The discretised contacts, in order."""
         if self._interfaces is None:
             index = {id(body): i for i, body in enumerate(self.bodies)}
-            self._interfaces = [
-                discretise(c, (index[id(c.sides[0][0])], index[id(c.sides[1][0])])) for c in self.contacts
-            ]
+            places = [(index[id(c.sides[0][0])], index[id(c.sides[1][0])]) for c in self.contacts]
+            self._interfaces = discretise_all(self.contacts, places)
         return self._interfaces
 
     @property

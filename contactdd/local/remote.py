@@ -88,7 +88,7 @@ class RemoteProblem:
         self.name, self.length, self.dofs = task.body.name, task.body.mesh.size, task.discrete
         self.factor_free, self.kept = shared.factor_free, shared.kept
         self.load, self.constant = shared.load, shared.constant
-        self.traces = contact_traces(task.sides, self.dofs.space, self.kept)
+        self.traces = contact_traces(task.sides, self.dofs.space, self.kept, task.crowded)
         modes, coefficients, springs = shared.motions or (*self.dofs.motions, self.dofs.spring_forces)
         kinematics, scale = task.body.kinematics, shared.stiffness_scale
         self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, scale)
