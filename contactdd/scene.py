@@ -70,7 +70,8 @@ class Scene:
         self._read = self._parameter_values()
 
     def __repr__(self) -> str:
-        lines = [f"Scene of {len(self.bodies)} bodies and {len(self.contacts)} contacts"]
+        contacts = "1 contact" if len(self.contacts) == 1 else f"{len(self.contacts)} contacts"
+        lines = [f"Scene of {len(self.bodies)} bodies and {contacts}"]
         return "\n  ".join(lines + [repr(item) for item in (*self.bodies, *self.contacts)])
 
     @property

@@ -110,7 +110,7 @@ def solve(
             (nothing is factored, for large solids), a registered name, or "auto": condensed or multigrid, whichever is
             estimated to cost less; `history` notes the estimates for large solids.
         callback: A function of each iteration's `Record`; the run ends when it returns True.
-        progress: Whether a progress bar is shown, by default on a terminal or in a notebook.
+        progress: Whether a progress bar is shown after the first second, by default on a terminal or in a notebook.
         on_failure: "raise" an error, or "return" the last iterate as a solution with its status.
         checkpoint: The path of a file to keep the state in. It is written every `checkpoint_every` seconds, at the end
             and when the run is interrupted (Ctrl-C, SIGTERM) or fails. A file that is no checkpoint of the same bodies
