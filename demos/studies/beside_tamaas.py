@@ -55,6 +55,8 @@ def main() -> None:
     for count in (64,) if report.quick else (256, 512, 1024):
         surface = heights(count, count // 8)
         for name, (force, B, a) in CASES.items():
+            if count > 512 and name == "power layer, half closed":
+                continue  # Tamaas takes more than ten minutes for it
             pressure, told = theirs(known.tamaas, surface, (force, B, a), report.folder)
             solution, seconds = pressed(surface, cd.PowerLayer(B, a) if B else cd.HardContact(), force)
             ours = solution.contact().pressure.reshape(count, count)
