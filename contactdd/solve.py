@@ -211,7 +211,7 @@ def _begun(
     first = _start(ensemble, scene, scheme, gamma, start, previous)
     if not _is_hard(scene):
         return Run(ensemble, scene.ranks, scheme, step, first)
-    if hasattr(step, "held"):  # a step in the pressures
+    if hasattr(step, "held") and (gamma is None or isinstance(gamma, str)):  # in the pressures, with nothing to relax
         from .iteration.active_set import ActiveSetRun
 
         return ActiveSetRun(ensemble, scene.ranks, scheme, cast("Pressures", step), first)

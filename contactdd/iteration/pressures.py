@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats
+from ..local.problem import LocalProblem
 from ..local.spectral import SpectralProblem
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
@@ -23,11 +24,16 @@ def surface_of(ensemble: Ensemble) -> int | None:
     Of two such bodies the softer one; None if it is no such scene.
     """
     problems = ensemble.problems
-    known = all(isinstance(problem, SpectralProblem) or problem.size == problem.rigid.count for problem in problems)
+    known = all(isinstance(problem, SpectralProblem) or _rigid(problem) for problem in problems)
     if not known or len(ensemble.interfaces) != 1:
         return None
     own = {i: p.stiffness.largest for i, p in enumerate(problems) if isinstance(p, SpectralProblem) and _sees_itself(p)}
     return min(own, key=own.__getitem__, default=None)
+
+
+def _rigid(problem: LocalProblem) -> bool:
+    """Whether a body has rigid motions only, which nothing but contacts resists."""
+    return problem.size == problem.rigid.count and not np.any(problem.stiffness)
 
 
 def _sees_itself(problem: SpectralProblem) -> bool:
@@ -43,9 +49,9 @@ class Pressures:
         (Φ⁻¹ + N K⁺ Nᵀ) t − N Z q = N K⁺ r,    Zᵀ Nᵀ t = Zᵀ r,    where Φ > 0,
 
     with the bodies' stiffness K, their rigid motions Z, N from the unknowns to the approach and Φ = φ times the areas.
-    K⁺ is as cheap as K, and the softer the layer is the better: this stays well conditioned for stiff layers, and on a
-    part of the surface, where (K + Nᵀ Φ N) does not. It is preconditioned by the surface under an even layer, of the
-    mean stiffness, and held where the layer is softer than that.
+    K⁺ is as cheap as K, and its system stays well conditioned where K + Nᵀ Φ N does not: under layers that are stiff,
+    and closed on a part of the surface. The preconditioner is the inverse for the surface under an even layer of the
+    mean stiffness, scaled down where the layer is softer than that.
     """
 
     def __init__(self, ensemble: Ensemble, surface: int, note: str = "") -> None:
