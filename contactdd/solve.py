@@ -37,6 +37,8 @@ from .system.likeness import refuse_differences
 
 if TYPE_CHECKING:
     from .interface.discretise import Interface
+    from .iteration.active_set import ActiveSetRun
+    from .iteration.pressures import Pressures
     from .layers.gasket import GasketAtPoints, GasketLayer
 
 P = ParamSpec("P")
@@ -200,14 +202,20 @@ def _begun(
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
     previous: starts.Given | None,
-) -> Run | AugmentedRun:
+) -> Run | AugmentedRun | ActiveSetRun:
     """The run at its first iterate, or as a checkpoint has kept it."""
     if saved is not None:
         return Run(ensemble, scene.ranks, scheme, step, *read(saved, ensemble, scheme.name, scene.ranks))
     if isinstance(start, Solution):
         _warn_of_forgotten(scene, start)
     first = _start(ensemble, scene, scheme, gamma, start, previous)
-    return (AugmentedRun if _is_hard(scene) else Run)(ensemble, scene.ranks, scheme, step, first)
+    if not _is_hard(scene):
+        return Run(ensemble, scene.ranks, scheme, step, first)
+    if hasattr(step, "held") and (gamma is None or isinstance(gamma, str)):  # in the pressures, with nothing to relax
+        from .iteration.active_set import ActiveSetRun
+
+        return ActiveSetRun(ensemble, scene.ranks, scheme, cast("Pressures", step), first)
+    return AugmentedRun(ensemble, scene.ranks, scheme, step, first)
 
 
 def _remembering(scene: Scene, file: Path) -> Scene:
