@@ -134,10 +134,10 @@ def _interspersed(influences: Sequence[Floats], degree: int, growth: float) -> l
     for _ in range(50):
         level = 0.5 * (low + high)
         low, high = (level, high) if parts(level).mean() > wanted else (low, level)
-    found = []
-    for own in _each(parts(high), influences):
+    found, largest = [], together >= (1 - ALIKE) * together.max()
+    for own, worst in zip(_each(parts(high), influences), _each(largest, influences), strict=True):
         counted = np.floor(np.cumsum(own * (1 + ALIKE)) + 0.5)
-        found.append(np.diff(counted, prepend=0.0) > 0)
+        found.append((np.diff(counted, prepend=0.0) > 0) | worst)
     return found
 
 
