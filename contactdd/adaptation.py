@@ -21,7 +21,7 @@ from .solution import Solution
 from .solve import solve
 
 #: The residual that is left to a solve, as a part of the wanted error: digits that meshes do not have are not paid for.
-#: The pressure was then off by a thousandth of the error at most. Smaller ones than ROUNDING are not to be had.
+#: Pressures were off by less than a thousandth of their error then. Residuals below ROUNDING are not to be had.
 DIGITS, ROUNDING = 1e-3, 1e-10
 
 #: The error has to fall below this part of its value within so many rounds, or it does not fall any more.
