@@ -15,6 +15,7 @@ from ..base.spectral import SpectralStiffness
 from .condensed import CondensedProblem, seen_from
 from .dense import DenseSystem
 from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
+from .stiffness import SelectedStiffness
 from .task import LocalTask
 
 
@@ -39,13 +40,15 @@ class CollectiveOperator:
 
     def gathered(self) -> scipy.sparse.csr_matrix:
         """The matrix, on every rank."""
-        return self._ranks.gather(self._matrix)[self._owner]
+        return self._ranks.gather(None if self._matrix is None else as_matrix(self._matrix))[self._owner]
 
 
 def as_matrix(operator: Any) -> Operator:
     """The matrix of an operator; one that a single rank holds is sent to all."""
     if isinstance(operator, SpectralStiffness):
         return operator.toarray()
+    if isinstance(operator, SelectedStiffness):
+        return operator.matrix
     return operator.gathered() if isinstance(operator, CollectiveOperator) else operator
 
 
