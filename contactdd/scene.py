@@ -229,7 +229,8 @@ class Scene:
         """
         from .hints import hints
 
-        loads = [problem.dofs.load for problem in self.local_problems()]
+        problems = self.local_problems()
+        loads = self.ranks.each(lambda index: problems[index].dofs.load)
         return hints(self.bodies, loads, self.interfaces, self.sliding)
 
     def body_index(self, body: str | Body) -> int:

@@ -28,9 +28,10 @@ from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
 from .interface.surface import PointSurface
+from .local.remote import eigenstrain_load
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
-from .system.ensemble import STRAINING, eigenstrain_load
+from .system.ensemble import STRAINING
 from .system.joint_motions import settled
 
 if TYPE_CHECKING:
@@ -93,8 +94,8 @@ class Solution:
         self.parameter_values = scene.parameter_values()
         self._ensemble, self._state = ensemble, state
         self._displacements: dict[str, fem.Function] = {}
-        if not scene.ranks.alone:
-            _ = self._fields, self.energy  # while all ranks are here: later some may ask and others not
+        if not scene.ranks.alone:  # while all ranks are here: later some may ask and others not
+            _ = self._fields, self.energy, self._resultants, self.imbalance, self.residual, self.strain_sizes
 
     @property
     def converged(self) -> bool:
@@ -369,14 +370,22 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        body_index = self._place(body)
-        parts = self._nodal_forces(body_index)
-        return {name: self._ensemble.problems[body_index].dofs.resultant(forces) for name, forces in parts.items()}
+        return self._resultants[self._place(body)]
+
+    @cached_property
+    def _resultants(self) -> list[dict[str, Floats]]:
+        """The resultants on every body."""
+
+        def of(body_index: int) -> dict[str, Floats]:
+            resultant = self._ensemble.problems[body_index].dofs.resultant
+            return {name: resultant(forces) for name, forces in self._nodal_forces(body_index).items()}
+
+        return self.scene.ranks.each(of)
 
     def _nodal_forces(self, body_index: int) -> dict[str, Floats]:
         """The forces on a body at all its degrees of freedom, (dofs,) each."""
         problem = self._ensemble.problems[body_index]
-        loads, contact, fields = problem.dofs.load, self._contact_load(body_index), self._fields[body_index]
+        loads, contact, fields = problem.dofs.load, self._contact_load(body_index), self._held[body_index]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
         supports = problem.dofs.reactions(supports) - fields.spring_forces
@@ -389,18 +398,19 @@ class Solution:
         A force at work is the sum of the magnitudes of its nodal forces: where it balances itself, as in a press fit,
         its resultant is rounding. Of the loads that eigenstrains are only a thousandth counts.
         """
-        sums, sizes = [0.0], [0.0]
-        for body_index, body in enumerate(self.scene.bodies):
-            forces, dofs = self._nodal_forces(body_index), self._ensemble.problems[body_index].dofs
-            resultant, strains = dofs.resultant, eigenstrain_load(dofs)
-            sums.append(float(np.linalg.norm(resultant(np.sum(list(forces.values()), axis=0)))))
-            if strains is not None:
-                forces |= {"loads": forces["loads"] - strains, "eigenstrains": STRAINING * strains}
-            for force in forces.values():
-                vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
-                sizes.append(float(np.linalg.norm(vectors, axis=1).sum()))
+        sums, sizes = np.transpose(self.scene.ranks.each(self._balance))
         largest = float(np.max(sizes))  # not a number where one of them is
         return float(np.max(sums)) / largest if largest != 0.0 else 0.0
+
+    def _balance(self, body_index: int) -> tuple[float, float]:
+        """The size of all forces' resultant on a body, and that of the largest of these forces."""
+        forces, dofs = self._nodal_forces(body_index), self._ensemble.problems[body_index].dofs
+        mesh, resultant, strains = self.scene.bodies[body_index].mesh, dofs.resultant, eigenstrain_load(dofs)
+        left = float(np.linalg.norm(resultant(np.sum(list(forces.values()), axis=0))))
+        if strains is not None:
+            forces |= {"loads": forces["loads"] - strains, "eigenstrains": STRAINING * strains}
+        vectors = [force.reshape(-1, mesh.dim) if mesh else resultant(force)[None] for force in forces.values()]
+        return left, float(np.max([np.linalg.norm(each, axis=1).sum() for each in vectors]))
 
     @cached_property
     def residual(self) -> float:
@@ -409,11 +419,14 @@ class Solution:
         The forces at work are those that `solve` compares with, √(‖loads‖² + ‖contact forces‖²); where there are none,
         the residual is ‖F₁'(u)‖ itself.
         """
-        total = contacts = 0.0
-        for i, problem in enumerate(self._ensemble.problems):
-            contact, elastic = self._contact_load(i), self._fields[i].elastic_forces
-            total += float(np.sum(problem.dofs.free_forces(problem.dofs.load + contact - elastic) ** 2))
-            contacts += float(np.sum(problem.dofs.free_forces(contact) ** 2))
+
+        def squares(body_index: int) -> tuple[float, float]:
+            """Of the forces that are left on a body, and of those of its contacts."""
+            dofs, contact = self._ensemble.problems[body_index].dofs, self._contact_load(body_index)
+            left = dofs.free_forces(dofs.load + contact - self._held[body_index].elastic_forces)
+            return float(np.sum(left**2)), float(np.sum(dofs.free_forces(contact) ** 2))
+
+        total, contacts = np.sum(self.scene.ranks.each(squares), axis=0).tolist()
         scale = self._ensemble.at_work(float(np.sqrt(contacts)))
         return float(np.sqrt(total)) / scale if scale != 0.0 else float(np.sqrt(total))
 
@@ -461,8 +474,12 @@ class Solution:
     @cached_property
     def strain_sizes(self) -> list[StrainSize]:
         """The largest strain and rotation of each body that has a mesh, in the order of the scene's bodies."""
-        bodies = zip(self.scene.bodies, self._fields, strict=True)
-        return [small_strains.strain_size(body, fields.displacement) for body, fields in bodies if body.mesh]
+
+        def of(body_index: int) -> StrainSize | None:
+            body = self.scene.bodies[body_index]
+            return small_strains.strain_size(body, self._held[body_index].displacement) if body.mesh else None
+
+        return [size for size in self.scene.ranks.each(of) if size is not None]
 
     @property
     def largest_strain(self) -> float:
@@ -523,15 +540,15 @@ class Solution:
         One .vtu file of each body in its own degree: displacement, stress as a symmetric tensor and von Mises stress at
         the nodes, where neighbouring cells' stresses are averaged, and each cell's mean. Of each contact one of its
         points, with the pressures and gaps of `contact`, and one of each surface's facets, with those of
-        `contact_surface`; these also as text in contacts.xdmf. Collective: on several ranks all have to call it; the
-        first writes.
+        `contact_surface`; these also as text in contacts.xdmf. Collective: on several ranks all have to call it; each
+        writes the bodies that it holds, the first the contacts.
 
         Args:
             folder: The path of the folder; files of the same names in it are replaced.
         """
         from .view.export import export
 
-        return self.scene.ranks.once(lambda: export(self._exported(), Path(folder)))
+        return self.scene.ranks.written(lambda: export(self._exported(), Path(folder)))
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """The folder that the solution was saved in as plain data, to be read by `load_solution` without the scene.
@@ -549,8 +566,11 @@ class Solution:
         """The bodies' and contacts' results that are written for ParaView."""
         from .view.export import Fields
 
-        contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in self.scene.contacts]
-        return Fields([self.body(body) for body in self._with_mesh()], contacts)
+        ranks, bodies = self.scene.ranks, self._with_mesh()
+        ours = {body.name for body in bodies if ranks.speaks(self._place(body))}
+        first = self.scene.contacts if ranks.comm.rank == 0 else []
+        contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in first]
+        return Fields({body.name: self.body(body) if body.name in ours else None for body in bodies}, contacts)
 
     def _plain(self) -> SavedSolution:
         """The solution as plain data."""
@@ -613,23 +633,25 @@ class Solution:
 
     @cached_property
     def _fields(self) -> list[Fields]:
-        """The bodies' solutions, recovered from the condensed unknowns when first asked for."""
-        ensemble, state = self._ensemble, self._state
+        """The bodies' solutions."""
+        return self.scene.ranks.each(lambda body_index: self._held[body_index])
 
-        def of(body_index: int) -> Fields:
-            part = ensemble.parts[body_index]
-            return ensemble.problems[body_index].fields(state.unknowns[part], state.deformation[part])
+    @cached_property
+    def _held(self) -> dict[int, Fields]:
+        """The solutions of the bodies that this rank holds, recovered from the condensed unknowns when first asked for.
 
-        return self._settled(self.scene.ranks.each(of))
-
-    def _settled(self, fields: list[Fields]) -> list[Fields]:
-        """The fields without the common rigid motion that neither loads nor contacts determine.
-
-        Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
+        Without the common rigid motion that neither loads nor contacts determine: of all equivalent solutions that with
+        the smallest displacements; the iterate's own motion is rounding.
         """
-        problems, motions = self._ensemble.problems, self._ensemble.rigid
-        displacements = settled(problems, motions, [field.displacement for field in fields])
-        return [replace(f, displacement=u) for f, u in zip(fields, displacements, strict=True)]
+        ensemble, state, ranks = self._ensemble, self._state, self.scene.ranks
+        fields = {
+            index: problem.fields(state.unknowns[part], state.deformation[part])
+            for index, (problem, part) in enumerate(zip(ensemble.problems, ensemble.parts, strict=True))
+            if ranks.owns(index)
+        }
+        displacements = {index: each.displacement for index, each in fields.items()}
+        moved = settled(ensemble.problems, ensemble.rigid, displacements, ranks)
+        return {index: replace(each, displacement=moved[index]) for index, each in fields.items()}
 
     def _closed(self, interface: Interface) -> Floats:
         """u_αn + u_βn at the points of an interface, (points,), from the condensed unknowns where they suffice."""

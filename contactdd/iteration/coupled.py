@@ -13,8 +13,6 @@ from ..base.arrays import Floats
 from ..base.sparse import entry_positions, product_map
 from ..local.factor import Factor
 from ..local.problem import Solver
-from ..local.remote import as_matrix
-from ..system.block_diagonal import BlockDiagonal
 from ..system.ensemble import Ensemble
 
 
@@ -68,7 +66,7 @@ class SparseSystem:
 
     def __init__(self, ensemble: Ensemble) -> None:
         self._approach = scipy.sparse.csr_matrix(ensemble.normal_approach)
-        self._stiffness = BlockDiagonal([as_matrix(problem.stiffness) for problem in ensemble.problems]).tocsr()
+        self._stiffness = ensemble.stiffness_matrix()
         diagonal = scipy.sparse.eye(ensemble.size).tocsr()
         self._matrix = (_ones(self._stiffness) + _ones(abs(self._approach).T @ abs(self._approach)) + diagonal).tocsr()
         self._own, self._diagonal = (entry_positions(self._matrix, part) for part in (self._stiffness, diagonal))

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -27,7 +26,7 @@ from .memory import refuse_if_too_large
 from .meshless import MeshlessProblem
 from .multigrid import MultigridProblem
 from .problem import LocalProblem
-from .remote import CollectiveOperator, RemoteProblem, SharedProblem
+from .remote import RemoteProblem, SharedProblem
 from .spectral import SpectralProblem
 from .task import LocalTask
 
@@ -150,29 +149,29 @@ class LocalSolvers:
         return self._problems[kind, index]
 
     def _dealt_out(self, kinds: Sequence[str]) -> list[LocalProblem]:
-        """The problems of the bodies that this rank holds, and of the others the shared parts.
+        """The problems of the bodies that this rank holds, and what it is told of the others.
 
-        A body's own local problem is small, and is made by every rank.
+        A body without a mesh is small, and its problem is made by every rank.
         """
         ranks = self._ranks
         missing = any((kind, index) not in self._problems for index, kind in enumerate(kinds))
         if any(ranks.gather(missing)):
-            shared = ranks.each(
-                lambda index: None if kinds[index] == OWN else SharedProblem.of(self._problem(kinds[index], index))
-            )
-            for index, part in enumerate(shared):
+            for index, part in enumerate(ranks.each(lambda index: self._shared(kinds[index], index))):
                 if part is not None and not ranks.owns(index):
-                    task, owner = self._task(kinds[index], index), ranks.teams[index][0]
-                    self._problems[kinds[index], index] = RemoteProblem(task, part, owner, ranks)
+                    problem = RemoteProblem(self._bodies[index], self._sides[index], part)
+                    self._problems[kinds[index], index] = problem
         return [self._problem(kind, index) for index, kind in enumerate(kinds)]
+
+    def _shared(self, kind: str, index: int) -> SharedProblem | None:
+        """What the other ranks are told of a body's local problem, nothing of a body without a mesh."""
+        return None if self._bodies[index].mesh is None else SharedProblem.of(self._problem(kind, index))
 
     def _task(self, kind: str, index: int) -> LocalTask:
         """The task of a body's local solver."""
         body, ranks = self._bodies[index], self._ranks
         task = LocalTask(body, self._sides[index], None if body.mesh is None else self._discrete_body(index))
         if not ranks.alone and ranks.owns(index):
-            owner = ranks.teams[index][0]
-            task = replace(task, comm=ranks.team(index), collective=partial(CollectiveOperator, ranks, owner))
+            task = replace(task, comm=ranks.team(index))
         for other, signs in self._touched_alike(index):
             if (kind, other) in self._problems and task.discrete.space.free is not None:
                 return replace(task, original=self._problems[kind, other], signs=signs)
