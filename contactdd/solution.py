@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import basix.ufl
 import numpy as np
@@ -44,8 +44,15 @@ if TYPE_CHECKING:
     from .view.export import Fields as ExportedFields
 
 
+T = TypeVar("T")
+
+
 #: k h/E above which the pressure of points is replaced by the projected one on meshes that do not match.
 STIFF = 10.0
+
+
+#: The forces on a body that this rank does not hold.
+NOTHING: Floats = np.zeros(0)
 
 
 class Solution:
@@ -119,17 +126,31 @@ class Solution:
             body: Its name or the `Body`.
 
         Raises:
-            ValueError: The scene has no such body.
+            ValueError: The scene has no such body, or it is deferred and other ranks hold it.
         """
         body_index = self._place(body)
-        name = self.scene.bodies[body_index].name
         if self.scene.bodies[body_index].mesh is None:
             return self._fields[body_index].displacement
-        if name not in self._displacements:
-            function = fem.Function(self.scene.bodies[body_index].space, name="displacement")
+        if body_index in self.scene.known_dofs and not self.scene.ranks.owns(body_index):
+            raise ValueError(
+                f"body = {self.scene.bodies[body_index].name!r}: it is deferred, and rank "
+                f"{self.scene.ranks.teams[body_index][0]} holds its field; expected that rank, or solution.body(...)"
+            )
+        return self._displacement(body_index)
+
+    def _displacement(self, body_index: int) -> fem.Function:
+        """The displacement of a meshed body as this rank knows it."""
+        body = self.scene.bodies[body_index]
+        if body.name not in self._displacements:
+            function = fem.Function(body.space, name="displacement")
             function.x.array[:] = self._fields[body_index].displacement
-            self._displacements[name] = function
-        return self._displacements[name]
+            self._displacements[body.name] = function
+        return self._displacements[body.name]
+
+    def _by_owner(self, body: Body, make: Callable[[], T]) -> T:
+        """The result of a body; that of a deferred one is made by its owner, for all ranks. Collective then."""
+        index = self._place(body)
+        return self.scene.ranks.by_owner(index, make) if index in self.scene.known_dofs else make()
 
     def displacement_on(self, body: Body) -> Floats:
         """The displacement (dofs,) of the body of the same name in the elements of another, to go on from (length).
@@ -249,10 +270,12 @@ class Solution:
         index = self._contact_index(contact)
         interface, gaps, pressure = self.interfaces[index], self._gaps[index], self._pressure(index)
         body = self._meshed(interface.contact.sides[int(second)][0])
-        return sample.surface_result(interface, int(second), gaps, pressure, self.displacement(body))
+        return sample.surface_result(interface, int(second), gaps, pressure, self._displacement(self._place(body)))
 
     def body(self, body: str | Body) -> BodyResult:
         """The displacement and stress of a body at its nodes, as plain arrays.
+
+        Of a deferred body on several ranks collective, here and at points: all have to ask, its owner tells the others.
 
         Args:
             body: Its name or the `Body`.
@@ -261,8 +284,12 @@ class Solution:
             ValueError: The scene has no such body, or it has no mesh.
         """
         owner = self._meshed(body)
+        return self._by_owner(owner, lambda: self._body_result(owner))
+
+    def _body_result(self, body: Body) -> BodyResult:
+        """The result of a body that this rank holds."""
         contacts = list(zip(self.interfaces, self._gaps, strict=True))
-        return sample.body_result(owner, self.displacement(owner), self.stress(owner), contacts)
+        return sample.body_result(body, self.displacement(body), self.stress(body), contacts)
 
     def displacement_at(self, body: str | Body, points: ArrayLike) -> Floats:
         """The displacements of a body at points, (n, dim) (length).
@@ -275,7 +302,7 @@ class Solution:
             ValueError: Points lie outside of the body, or it has no mesh.
         """
         owner = self._meshed(body)
-        return sample.values_at(owner, self.displacement(owner), points)
+        return self._by_owner(owner, lambda: sample.values_at(owner, self.displacement(owner), points))
 
     def stress_at(self, body: str | Body, points: ArrayLike) -> Floats:
         """The six stresses of a body at points, (n, 6), in the order of `stress`.
@@ -290,7 +317,7 @@ class Solution:
             ValueError: Points lie outside of the body, or it has no mesh.
         """
         owner = self._meshed(body)
-        return sample.values_at(owner, self.stress(owner), points)
+        return self._by_owner(owner, lambda: sample.values_at(owner, self.stress(owner), points))
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
         """The elastic energy ½ a(u, u) of a body or of all, that of springs included (force · length).
@@ -560,7 +587,17 @@ class Solution:
         """
         from .saved import save
 
-        return self.scene.ranks.once(lambda: save(self._plain(), Path(folder)))
+        bodies = self._gathered_bodies()
+        return self.scene.ranks.once(lambda: save(self._plain(bodies), Path(folder)))
+
+    def _gathered_bodies(self) -> list[BodyResult]:
+        """The results of all meshed bodies, on the first rank: elsewhere none is kept."""
+        first, found = self.scene.ranks.comm.rank == 0, []
+        for body in self._with_mesh():
+            result = self.body(body) if first or self._place(body) in self.scene.known_dofs else None
+            if first and result is not None:
+                found.append(result)
+        return found
 
     def _exported(self) -> ExportedFields:
         """The bodies' and contacts' results that are written for ParaView."""
@@ -570,9 +607,10 @@ class Solution:
         ours = {body.name for body in bodies if ranks.speaks(self._place(body))}
         first = self.scene.contacts if ranks.comm.rank == 0 else []
         contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in first]
-        return Fields({body.name: self.body(body) if body.name in ours else None for body in bodies}, contacts)
+        results = {body.name: self._body_result(body) if body.name in ours else None for body in bodies}
+        return Fields(results, contacts)
 
-    def _plain(self) -> SavedSolution:
+    def _plain(self, bodies: list[BodyResult]) -> SavedSolution:
         """The solution as plain data."""
         from .saved import SavedSolution
 
@@ -583,7 +621,7 @@ class Solution:
             self.method,
             {name: float(getattr(self, name)) for name in names},
             self.history,
-            [self.body(body) for body in self._with_mesh()],
+            bodies,
             {c.name: self.contact(c) for c in self.scene.contacts},
             {c.name: self._surfaces(c) for c in self.scene.contacts},
             {body.name: self.forces(body) for body in self.scene.bodies},
@@ -633,8 +671,21 @@ class Solution:
 
     @cached_property
     def _fields(self) -> list[Fields]:
-        """The bodies' solutions."""
-        return self.scene.ranks.each(lambda body_index: self._held[body_index])
+        """The bodies' solutions; of a deferred one that others hold the displacement at its surfaces, and no forces."""
+        known, ranks = self.scene.known_dofs, self.scene.ranks
+
+        def told(body_index: int) -> Fields:
+            whole = self._held[body_index]
+            if body_index not in known:
+                return whole
+            there = whole.displacement[known[body_index]]
+            return replace(whole, displacement=there, elastic_forces=NOTHING, spring_forces=NOTHING)
+
+        found = ranks.each(told)
+        for index, dofs in known.items():
+            surface = found[index].displacement
+            found[index] = self._held.get(index) or replace(found[index], displacement=surface[dofs])
+        return found
 
     @cached_property
     def _held(self) -> dict[int, Fields]:

@@ -109,18 +109,26 @@ class Ranks:
         gathered = self._gathered("each", spoken, failed)
         return [value for _, value in sorted((pair for part in gathered for pair in part), key=lambda pair: pair[0])]
 
+    def by_owner(self, body_index: int, make: Callable[[], T]) -> T:
+        """The value of a body made by its owner, on all ranks; an error of it is raised on all."""
+        return self._from(self.teams[body_index][0], make)
+
     def once(self, make: Callable[[], T]) -> T:
         """The value made by the first rank, on all ranks; an error of it is raised on all."""
+        return self._from(0, make)
+
+    def _from(self, rank: int, make: Callable[[], T]) -> T:
+        """The value made by one rank, on all."""
         if self.alone:
             return make()
         made: Any = None
         failed: Exception | None = None
-        if self.comm.rank == 0:
+        if self.comm.rank == rank:
             try:
                 made = make()
             except Exception as error:
                 failed = error
-        return self._gathered("once", made, failed)[0]
+        return self._gathered("once", made, failed)[rank]
 
     def written(self, write: Callable[[], list[T]]) -> list[T]:
         """What all ranks have written, those of the first rank first; an error of one is raised on all."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 import numpy as np
 import scipy
 
-from ..base.arrays import Floats, Operator
+from ..base.arrays import Floats, Indices, Operator
 from ..body import Body
 from ..interface.discretise import InterfaceSide
 from .problem import BodyDofs, ContactTrace, Fields, LocalProblem, Solver, rigid_motions
@@ -20,19 +20,25 @@ class SharedDofs:
     """What all ranks know of a body in all its degrees of freedom.
 
     sizes: see `load_sizes`; prescribed, load_size: see `BodyDofs`; work: (all motions,) that of the loads on the rigid
-    motions; motions: (dofs, all motions) these, at the degrees of freedom of the body as this rank knows it.
+    motions; motions: (dofs, all motions) these, at the degrees of freedom of the body as this rank knows it, or those
+    that it is told of; none of a body that it knows.
     """
 
     sizes: Floats
     prescribed: bool
     load_size: float
     work: Floats
-    motions: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    motions: Floats
 
     @classmethod
-    def of(cls, dofs: BodyDofs, motions: int) -> SharedDofs:
-        """The same of a body that this rank holds; motions: the number of its rigid ones."""
-        return cls(load_sizes(dofs), dofs.prescribed, dofs.load_size, work_of_loads(dofs, np.eye(motions)))
+    def of(cls, dofs: BodyDofs, motions: int, known: Indices | None) -> SharedDofs:
+        """The same of a body that this rank holds.
+
+        motions: the number of its rigid ones; known: the degrees of freedom that other ranks know, None for all.
+        """
+        moved = dofs.rigid_displacements(np.eye(motions))
+        told = moved[[] if known is None else known]
+        return cls(load_sizes(dofs), dofs.prescribed, dofs.load_size, moved.T @ dofs.load, told)
 
     def rigid_displacements(self, coefficients: Floats) -> Floats:
         """The displacements (dofs, n) of rigid motions given by coefficients (motions, n)."""
@@ -90,11 +96,11 @@ class SharedProblem:
     nodal: tuple[scipy.sparse.csr_matrix, Floats]
 
     @classmethod
-    def of(cls, problem: LocalProblem) -> SharedProblem:
-        """The shared part of a problem that this rank holds."""
+    def of(cls, problem: LocalProblem, known: Indices | None) -> SharedProblem:
+        """The shared part of a problem that this rank holds; known: see `SharedDofs.of`."""
         rigid, coefficients = problem.rigid, problem.rigid.owners[0].coefficients
         return cls(
-            SharedDofs.of(problem.dofs, len(coefficients)),
+            SharedDofs.of(problem.dofs, len(coefficients), known),
             problem.load,
             problem.constant,
             problem.factor_free,
@@ -112,13 +118,21 @@ class RemoteProblem:
         body: The body as this rank knows it.
         sides: Its sides of the scene's interfaces, each with the interface's index.
         shared: What its owner tells.
+        known: The places of the body's degrees of freedom among those that its owner tells of, None if it is whole.
     """
 
     dofs: Any  # `SharedDofs`: what asks for more than those is done by the owner
 
-    def __init__(self, body: Body, sides: Sequence[tuple[int, InterfaceSide]], shared: SharedProblem) -> None:
+    def __init__(
+        self,
+        body: Body,
+        sides: Sequence[tuple[int, InterfaceSide]],
+        shared: SharedProblem,
+        known: Indices | None,
+    ) -> None:
         self.name, self.length = body.name, body.mesh.size
-        self.dofs = replace(shared.dofs, motions=body.rigid_modes())
+        motions = body.rigid_modes() if known is None else shared.dofs.motions[known]
+        self.dofs = replace(shared.dofs, motions=motions)
         self.load, self.constant, self.factor_free = shared.load, shared.constant, shared.factor_free
         self.nodal_trace, self.nodal_offset = shared.nodal
         told = zip(sides, shared.traces, strict=True)
