@@ -206,9 +206,12 @@ class Ensemble:
 
         phi: the coefficient at the points of each interface; y: (unknowns,) or (unknowns, n).
         """
-        approach = self.normal_approach @ y
-        at_points = (self.weights * self.at_all_points(phi) * approach.T).T
-        return self.elastic_forces(y, self.deformation(y)) + self._onto_unknowns @ at_points
+        return self.elastic_forces(y, self.deformation(y)) + self.contact_forces(phi, y)
+
+    def contact_forces(self, phi: Mapping[int, Floats], y: Any) -> Any:
+        """The contacts' part of `tangent`; y may be sparse."""
+        weighted = scipy.sparse.diags(self.weights * self.at_all_points(phi))
+        return self._onto_unknowns @ (weighted @ (self.normal_approach @ y))
 
     def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
         """A coefficient given by interface, at all points."""
