@@ -94,8 +94,13 @@ class Contact:
         self.quadrature = quadrature
         self.quadrature_degree = None if quadrature_degree is None else as_count("quadrature_degree", quadrature_degree)
         self.name = name or f"{bodies[0].name}–{bodies[1].name}"
-        if not any(isinstance(body, DeferredBody) for body in bodies):  # else once they are made
+        if not self.deferred:  # else once they are made
             self._check_bodies()
+
+    @property
+    def deferred(self) -> bool:
+        """Whether a body is a `DeferredBody`, in whose place the scene has another contact of the same name."""
+        return any(isinstance(body, DeferredBody) for body, _ in self.sides)
 
     def _check_bodies(self) -> None:
         """Refuse bodies that do not go together."""

@@ -292,7 +292,7 @@ class Scene:
         Raises:
             ValueError: There is no such contact.
         """
-        wanted = contact.name if isinstance(contact, Contact) and self.known_dofs else contact
+        wanted = contact.name if isinstance(contact, Contact) and contact.deferred else contact
         for index, other in enumerate(self.contacts):
             if wanted in (other, index, other.name, _typed(other.name)):
                 return index

@@ -94,3 +94,144 @@ def test_same_answer_on_several_ranks(alone, ranks, tmp_path):
     saved = cd.load_solution(tmp_path / "saved")
     for one, other in zip(alone[1].bodies, saved.bodies, strict=True):
         np.testing.assert_allclose(other.stress, one.stress, rtol=0, atol=1e-10 * np.abs(one.stress).max())
+
+
+FEATURES = """
+import sys
+import numpy as np
+from mpi4py import MPI
+import contactdd as cd
+
+comm, load, folder = MPI.COMM_WORLD, cd.Parameter(5.0), sys.argv[1]
+
+def disc():
+    mesh = cd.rectangle((0, 0), (1, 1), (6, 4), shape="quadrilateral")
+    x = mesh.domain.geometry.x
+    x[:, 1] += 0.05 * x[:, 0] ** 2 * x[:, 1]
+    return cd.Body("disc", cd.Mesh(mesh.domain, mesh.surfaces), cd.Isotropic(2e3, 0.3), kinematics="axisymmetric",
+                   supports=[cd.Symmetry("left")], loads=[cd.Pressure("top", load)], degree=2)
+
+def floor():
+    return cd.Body("floor", cd.rectangle((0, -1), (1.3, 0), (9, 5)), cd.Isotropic(3e3, 0.2), kinematics="axisymmetric",
+                   supports=[cd.Symmetry("left"), cd.Spring("bottom", 1e5)], local_solver=cd.LOCAL_SOLVERS["condensed"])
+
+disc, floor = cd.DeferredBody("disc", disc), cd.DeferredBody("floor", floor)
+die = cd.RigidBody("die", cd.Plane((0, -1), (0, 1)), kinematics="axisymmetric")
+bonds = cd.Contact((floor, "bottom"), die, cd.LinearLayer(1e5))
+def gap(x):
+    return 0.01 * x[0] ** 2
+
+def scene(layer):
+    return cd.Scene([disc, floor, die], [cd.Contact((disc, "bottom"), (floor, "top"), layer, gap=gap), bonds], comm=comm)
+
+results = {}
+soft = scene(cd.LinearLayer(1e4))
+path = cd.programme(soft, load, [5.0, 10.0], record={"force": lambda s: s.contact().force}, tolerance=1e-12)
+results["forces"] = path.records["force"]
+path.export(folder + "/series")
+for name, each in {
+    "hard": scene(cd.HardContact()), "stiffer": soft.with_layer(cd.PowerLayer(1e-5, 0.7)),
+    "bonded": scene(cd.BondedLayer(cd.LinearLayer(1e4), shear_stiffness=2e3)),
+}.items():
+    solution = cd.solve(each, tolerance=1e-11)
+    results[name] = solution.contact(0).pressure
+    results[name + " shift"] = solution.contact_surface(bonds).displacement
+    results[name + " stiffness"] = solution.normal_stiffness(bonds)  # beside the spring
+kept = dict(checkpoint=folder + "/state.npz", on_failure="return", gamma=0.6, max_iterations=int(sys.argv[2]))
+results["went on"] = cd.solve(soft, "chord", resume=True, **kept).contact(0).pressure
+if comm.rank == 0:
+    np.savez(folder + "/result.npz", **results)
+"""
+
+
+def test_what_else_a_scene_may_hold(tmp_path):
+    """Curved rings, springs, own solvers, rigid bodies, hard contact, bonds, programmes; what one number of ranks kept
+    another goes on with."""
+    found, files = {}, {}
+    for ranks in (1, 2):
+        folder = tmp_path / str(ranks)
+        folder.mkdir()
+        for count, iterations in ((3 - ranks, 10), (ranks, 20)):
+            done = launch(count, FEATURES, str(folder), str(iterations))
+            assert done.returncode == 0, done.stderr
+        with np.load(folder / "result.npz") as content:
+            found[ranks] = dict(content)
+        files[ranks] = sorted(path.name for path in (folder / "series").iterdir())
+    for key, expected in found[1].items():
+        np.testing.assert_allclose(found[2][key], expected, rtol=0, atol=1e-10 * np.abs(expected).max(), err_msg=key)
+    assert files[1] == files[2]
+
+
+FAULTS = {
+    "a body that cannot be made": (
+        "assert comm.rank == 0, 'no such mesh'",
+        "cd.solve(stack([low, high]))",
+        "AssertionError: no such mesh",
+    ),
+    "a body of another name": ("name = 'other'", "stack([low, high])", "gives a body of the name 'other'"),
+    "a surface that it has not": ("", "stack([low, high], 'side')", "the mesh has no surface of that name"),
+    "supports that contradict": (
+        "supports.append(cd.Displacement('left', (1.0, None)))",
+        "stack([low, high])",
+        "prescribe different displacements",
+    ),
+    "a field on another rank": (
+        "",
+        "cd.solve(stack([low, high])).displacement('high' if comm.rank else 'low')",
+        "holds its field",
+    ),
+    "an estimate of the error": ("", "cd.error_estimate(cd.solve(stack([low, high])))", "is deferred"),
+    "a finer mesh": ("", "stack([low, high]).refined()", "is deferred"),
+}
+
+FAULT = """
+from mpi4py import MPI
+import contactdd as cd
+
+comm = MPI.COMM_WORLD
+
+def deferred(own, y):
+    def make():
+        name, supports = own, [cd.Symmetry("left", "right"), *([cd.Fixed("bottom")] if y == 0 else [])]
+        {change}
+        loads = [cd.Pressure("top", 1.0)] if y else []
+        return cd.Body(name, cd.rectangle((0, y), (2, y + 1), (3, 2)), cd.Isotropic(1e3, 0.3), supports=supports,
+                       loads=loads)
+    return cd.DeferredBody(own, make)
+
+def stack(bodies, top="top"):
+    return cd.Scene(bodies, [cd.Contact((low, top), (high, "bottom"), cd.LinearLayer(1e3))], comm=comm)
+
+low, high = deferred("low", 0), deferred("high", 1)
+try:
+    {asked}
+except BaseException as error:
+    print("rank", comm.rank, "says", type(error).__name__ + ":", error, flush=True)
+    raise SystemExit(3)
+"""
+
+
+@pytest.mark.parametrize("what", FAULTS)
+def test_all_ranks_end_with_the_same_words(what):
+    change, asked, message = FAULTS[what]
+    done = launch(2, FAULT.replace("{change}", change).replace("{asked}", asked), timeout=60)
+    assert done.returncode == 3, done.stderr
+    for rank in range(2):
+        said = [line for line in done.stdout.splitlines() if line.startswith(f"rank {rank} says")]
+        assert len(said) == 1, done.stdout + done.stderr
+        assert message in said[0]
+
+
+def test_arguments_are_refused():
+    with pytest.raises(TypeError, match="expected a text"):
+        cd.DeferredBody("", lambda: None)
+    with pytest.raises(TypeError, match="expected a function"):
+        cd.DeferredBody("a", "mesh.msh")
+    with pytest.raises(ValueError, match="work = 0"):
+        cd.DeferredBody("a", lambda: None, work=0)
+    with pytest.raises(TypeError, match=r"expected a cd\.Body"):
+        cd.DeferredBody("a", lambda: None).made()
+    deferred, other = cd.DeferredBody("a", lambda: None), cd.DeferredBody("b", lambda: None)
+    contact = cd.Contact((deferred, "top"), (other, "bottom"), cd.LinearLayer(1.0))
+    with pytest.raises(ValueError, match="body 'b' is not in the scene"):
+        cd.Scene([deferred, cd.DeferredBody("c", lambda: None)], [contact])
