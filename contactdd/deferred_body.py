@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NoReturn
 
 from .base.checks import positive
 from .body import Body
@@ -59,10 +58,6 @@ class DeferredBody:
         if body.name != self.name:
             raise ValueError(f"make of body {self.name!r} gives a body of the name {body.name!r}; expected the same")
         return body
-
-    @property
-    def mesh(self) -> NoReturn:
-        raise AttributeError(f"body {self.name!r} is made by the ranks of a scene that hold it; expected that scene's")
 
     def __repr__(self) -> str:
         return f"DeferredBody({self.name!r})"

@@ -98,7 +98,7 @@ class Krylov:
 
         modes, forces = zip(*self._ranks.each(of), strict=True)
         coarse = BlockDiagonal(modes).tocsr()
-        return coarse, BlockDiagonal(forces).tocsr() + ensemble.contact_forces(phi, coarse)
+        return coarse, BlockDiagonal(forces).tocsr() + scipy.sparse.csr_matrix(ensemble.contact_forces(phi, coarse))
 
 
 def deflated_conjugate_gradients(
