@@ -64,8 +64,8 @@ class Mesh:
         if ranks > 1:
             raise ValueError(
                 f"domain: the mesh is spread over {ranks} ranks; expected a mesh on one (made on MPI.COMM_SELF). "
-                "Ranks share a scene's bodies, not one body's cells: Scene(bodies, contacts, comm=MPI.COMM_WORLD), with "
-                "a cd.DeferredBody for each that only its owner should make"
+                "Ranks share a scene's bodies, not one body's cells: Scene(bodies, contacts, comm=MPI.COMM_WORLD), "
+                "with a cd.DeferredBody for each that only its owner should make"
             )
         _check_cells(self.domain)
         for name, facets in self.surfaces.items():

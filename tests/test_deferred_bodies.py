@@ -122,7 +122,8 @@ def gap(x):
     return 0.01 * x[0] ** 2
 
 def scene(layer):
-    return cd.Scene([disc, floor, die], [cd.Contact((disc, "bottom"), (floor, "top"), layer, gap=gap), bonds], comm=comm)
+    pressed = cd.Contact((disc, "bottom"), (floor, "top"), layer, gap=gap)
+    return cd.Scene([disc, floor, die], [pressed, bonds], comm=comm)
 
 results = {}
 soft = scene(cd.LinearLayer(1e4))
