@@ -29,7 +29,7 @@ STEEL = cd.Isotropic(E=2.1e5, nu=0.3)
 LAYER = cd.PowerLayer(B=4e-6, a=1.1)
 SIZES, QUICK, TURNS = (12, 16, 20, 24), (4,), 3
 #: Of the stack: bodies, their cells along a side, numbers of ranks, also more than there are cores.
-STACK, RANKS = (64, 18), (1, 2, 4, 8)
+STACK, RANKS = (32, 18), (1, 2, 4, 8)
 
 
 def pit(x: np.ndarray) -> np.ndarray:
@@ -87,7 +87,7 @@ def memory_case(count: int, cells: int, local_solver: str) -> dict[str, Any]:
     contacts = [cd.Contact((a, "top"), (b, "bottom"), LAYER, gap=pit) for a, b in pairwise(bodies)]
     began, before = time.process_time(), resident()
     scene = cd.Scene(bodies, contacts, comm=comm)
-    solution = cd.solve(scene, local_solver=local_solver, tolerance=1e-12)
+    solution = cd.solve(scene, "newton-krylov", local_solver=local_solver, tolerance=1e-12)
     return {
         "ranks": comm.size,
         "unknowns": comm.allreduce(sum(b.dofs for i, b in enumerate(scene.bodies) if scene.ranks.speaks(i))),
@@ -116,27 +116,23 @@ def measured(ranks: int, case: str, *arguments: object) -> dict[str, Any]:
 
 
 def memory(count: int, cells: int, local_solver: str, numbers: tuple[int, ...]) -> list[dict[str, Any]]:
-    """The memory of a rank for each number of ranks, and how far the answer is from that of the first."""
-    rows = [measured(ranks, "--memory", count, cells, local_solver) for ranks in numbers]
-    first = np.array(rows[0]["pressure"])
-    for row in rows:
-        row["difference"] = float(np.abs(np.array(row.pop("pressure")) - first).max() / np.abs(first).max())
-    return rows
-
-
-def print_memory(rows: list[dict[str, Any]]) -> None:
-    """The table, and the constant and the shared part that fit it: peak = constant + shared / ranks."""
-    print(f"{'ranks':>6} {'unknowns':>9} {'MiB of a rank':>14} {'of the serial':>14} {'CPU s':>7} {'difference':>11}")
-    for row in rows:
+    """The memory of a rank for each number of ranks, and how far the answer is from that of the first; printed, too."""
+    print(f"{'ranks':>6} {'unknowns':>9} {'MiB of a rank':>14} {'of the first':>13} {'CPU s':>7} {'difference':>11}")
+    rows: list[dict[str, Any]] = []
+    pressures: list[np.ndarray] = []
+    for ranks in numbers:
+        row = measured(ranks, "--memory", count, cells, local_solver)
+        pressures.append(np.array(row.pop("pressure")))
+        row["difference"] = float(np.abs(pressures[-1] - pressures[0]).max() / pressures[0].max())
+        rows.append(row)
         share = row["peak"] / rows[0]["peak"]
-        print(
-            f"{row['ranks']:6} {row['unknowns']:9} {row['peak']:14.0f} {share:14.2f} {row['cpu']:7.1f} "
-            f"{row['difference']:11.1e}"
-        )
+        numbers_of_row = f"{row['peak']:14.0f} {share:13.2f} {row['cpu']:7.1f} {row['difference']:11.1e}"
+        print(f"{ranks:6} {row['unknowns']:9} {numbers_of_row}", flush=True)
     columns = np.array([[1.0, 1 / row["ranks"]] for row in rows])
     constant, shared = np.linalg.lstsq(columns, [row["peak"] for row in rows], rcond=None)[0]
     part = 2**20 * shared / rows[0]["unknowns"]
     print(f"peak = {constant:.0f} MiB + {shared:.0f} MiB / ranks: {part:.0f} bytes per unknown are shared out")
+    return rows
 
 
 def compare(sizes: tuple[int, ...], turns: int) -> list[dict[str, Any]]:
@@ -174,7 +170,6 @@ def main(arguments: list[str] | None = None) -> None:
     print_rows(rows)
     stack, numbers = ((4, 4), (1, 2)) if report.quick else (STACK, RANKS)
     shared = memory(*stack, "condensed", numbers)
-    print_memory(shared)
     figure = Figure(figsize=(5, 3.6), layout="constrained")
     axes = figure.subplots()
     for key, label in (("one", "one rank"), ("two", "two ranks")):
