@@ -261,11 +261,10 @@ class Scene:
         Raises:
             ValueError: A deferred body is held by some ranks only.
         """
-        if self.known_dofs:
-            name = self.bodies[next(iter(self.known_dofs))].name
+        for index in self.known_dofs:
             raise ValueError(
-                f"{asked}: body {name!r} is deferred, and only ranks {self.ranks.teams[next(iter(self.known_dofs))]} "
-                "hold it; expected one rank, or bodies that all ranks make"
+                f"{asked}: body {self.bodies[index].name!r} is deferred, and only ranks {self.ranks.teams[index]} hold "
+                "it; expected one rank, or bodies that all ranks make"
             )
 
     def body_index(self, body: str | Body | DeferredBody) -> int:

@@ -397,7 +397,7 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        return self._resultants[self._place(body)]
+        return dict(self._resultants[self._place(body)])
 
     @cached_property
     def _resultants(self) -> list[dict[str, Floats]]:
