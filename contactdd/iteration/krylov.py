@@ -89,16 +89,22 @@ class Krylov:
         """Rigid motions and lowest modes, orthonormal, and the coupled matrix times these, (all unknowns, modes)."""
         ensemble = self._ensemble
 
-        def of(body_index: int) -> tuple[Floats, Floats]:
+        def of(body_index: int) -> tuple[Floats, Floats] | None:
+            """A body's part, None where it has no low modes: all ranks know its rigid motions."""
             problem = ensemble.problems[body_index]
-            modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
-            modes = scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
+            low = problem.low_modes(phi, self.LOWEST)
+            if low.shape[1] == 0:
+                return None
+            modes = scipy.linalg.orth(np.hstack([problem.rigid.modes, low]), rcond=1e-10)
             moved = problem.rigid.modes.T @ modes
             return modes, problem.stiffness @ (modes - problem.rigid.modes @ moved) + problem.rigid.springs @ moved
 
-        modes, forces = zip(*self._ranks.each(of), strict=True)
-        coarse = BlockDiagonal(modes).tocsr()
-        return coarse, BlockDiagonal(forces).tocsr() + scipy.sparse.csr_matrix(ensemble.contact_forces(phi, coarse))
+        parts = [
+            (problem.rigid.modes, scipy.sparse.csr_matrix(problem.rigid.springs)) if told is None else told
+            for problem, told in zip(ensemble.problems, self._ranks.each(of), strict=True)
+        ]
+        modes, forces = (BlockDiagonal(each).tocsr() for each in zip(*parts, strict=True))
+        return modes, forces + scipy.sparse.csr_matrix(ensemble.contact_forces(phi, modes))
 
 
 def deflated_conjugate_gradients(

@@ -80,7 +80,7 @@ class SharedProblem:
     Attributes:
         dofs: What is told of all degrees of freedom.
         load, constant, factor_free: See `LocalProblem`.
-        motions: The rigid motions' unknowns, coefficients and forces of springs.
+        motions: The rigid motions' unknowns, coefficients and forces of springs; these None where there are none.
         stiffness_scale: The largest stiffness of the unknowns.
         traces: The trace, offset and Robin trace of every `ContactTrace`.
         nodal: The nodal trace and its offset.
@@ -90,7 +90,7 @@ class SharedProblem:
     load: Floats
     constant: float
     factor_free: bool
-    motions: tuple[Floats, Floats, Floats]
+    motions: tuple[Floats, Floats, Floats | None]
     stiffness_scale: float
     traces: Sequence[tuple[Operator, Floats, Operator]]
     nodal: tuple[scipy.sparse.csr_matrix, Floats]
@@ -104,7 +104,7 @@ class SharedProblem:
             problem.load,
             problem.constant,
             problem.factor_free,
-            (rigid.modes, coefficients, rigid.springs),
+            (rigid.modes, coefficients, rigid.springs if np.any(rigid.springs) else None),
             rigid.stiffness_scale,
             [(each.trace, each.offset, each.robin_trace) for each in problem.traces],
             (problem.nodal_trace, problem.nodal_offset),
@@ -138,7 +138,9 @@ class RemoteProblem:
         told = zip(sides, shared.traces, strict=True)
         self.traces = [ContactTrace(index, side, *parts) for (index, side), parts in told]
         scale = shared.stiffness_scale
-        self.rigid = rigid_motions(self.name, body.kinematics, self.traces, *shared.motions, stiffness_scale=scale)
+        modes, coefficients, told_springs = shared.motions
+        springs = np.broadcast_to(0.0, modes.shape) if told_springs is None else told_springs
+        self.rigid = rigid_motions(self.name, body.kinematics, self.traces, modes, coefficients, springs, scale)
 
     @property
     def size(self) -> int:
