@@ -49,7 +49,7 @@ class Krylov:
         free = np.linalg.qr(rigid.free_displacements(phi))[0]
         rhs = residual - free @ (free.T @ residual)
         coarse, image = self._coarse_space(phi)
-        inverse = _pseudo_inverse((coarse.T @ image).toarray(), rigid.stiffness_scale)
+        inverse = pseudo_inverse((coarse.T @ image).toarray(), rigid.stiffness_scale)
         held = self._held(phi)
 
         def precondition(vector: Floats) -> Floats:
@@ -154,7 +154,7 @@ def deflated_conjugate_gradients(
     return solution if square < smallest else best
 
 
-def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:
+def pseudo_inverse(matrix: Floats, largest: float) -> Floats:
     """The pseudo-inverse of a symmetric matrix, whose null space are motions of all bodies that nothing resists.
 
     largest: the stiffness in whose rounding such motions' resistance is lost.

@@ -73,8 +73,9 @@ class DenseCondensation:
 
     def __init__(self, matrix: Floats, kept: int) -> None:
         self._size = size = len(matrix) - kept
-        self._lower = _cholesky(matrix[:size, :size].T)
-        self._half = scipy.linalg.blas.dtrsm(1.0, self._lower, matrix[size:, :size].T, lower=1)  # L⁻¹ K_ec, K_ee = L Lᵀ
+        lower = _cholesky(matrix[:size, :size].T)
+        self._half = scipy.linalg.blas.dtrsm(1.0, lower, matrix[size:, :size].T, lower=1)  # L⁻¹ K_ec, K_ee = L Lᵀ
+        self._packed = scipy.linalg.lapack.dtrttp(lower, uplo="L")[0]
         self.schur_complement = matrix[size:, size:] - self._half.T @ self._half
 
     def condense_load(self, forces: Floats) -> tuple[Floats, float]:
@@ -87,7 +88,9 @@ class DenseCondensation:
 
     def _triangular(self, rhs: Floats, transposed: bool = False) -> Floats:
         """L⁻¹ b, or L⁻ᵀ b."""
-        return scipy.linalg.blas.dtrsm(1.0, self._lower, rhs[:, None], lower=1, trans_a=transposed)[:, 0]
+        if self._size == 0:  # which BLAS would refuse
+            return rhs
+        return scipy.linalg.blas.dtpsv(self._size, self._packed, rhs, lower=1, trans=transposed)
 
 
 class SmallCondensation:

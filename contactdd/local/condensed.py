@@ -41,12 +41,14 @@ class CondensedProblem:
         self.body, self.dofs = task.body, task.discrete
         self.name, self.length = task.body.name, task.body.mesh.size
         self.kept = touched_unknowns(self.dofs, task.sides)
-        self.traces = contact_traces(task.sides, self.dofs.space, self.kept)
+        self.traces = contact_traces(task.sides, self.dofs.space, self.kept, task.crowded)
         original = task.original
         if isinstance(original, CondensedProblem) and np.array_equal(self.kept, original.kept):
             self._set_as_copy(original, task.signs)
             return
         self.condensation = condense(self.dofs, self.kept, task.comm)
+        if task.crowded:
+            self.dofs.stiffness.forget()
         self.stiffness = self.condensation.schur_complement
         self._set_motions()
         self._set_loads()
@@ -182,7 +184,7 @@ def condense(dofs: DiscreteBody, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) 
     stiffness, space = dofs.stiffness, dofs.space
     if comm.size == 1 and space.free is not None and not stiffness.has_springs and stiffness.cells is not None:
         return ElementCondensation(stiffness.cells, space, kept)
-    matrix = stiffness.reduced
+    matrix = space.within(stiffness.full)  # not kept beside its factor
     if comm.size == 1 and 0 < len(kept) < matrix.shape[0] <= SmallCondensation.LARGEST:
         return SmallCondensation(matrix, kept)
     return SparseCondensation(matrix, kept, comm)

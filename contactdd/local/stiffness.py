@@ -38,6 +38,10 @@ class Stiffness:
         elastic = stiffness_matrix(self._body)
         return (elastic + self.springs).tocsr() if self.has_springs else elastic
 
+    def forget(self) -> None:
+        """Drop the matrix, which is assembled again when it is asked for: of many bodies it is too much to keep."""
+        vars(self).pop("full", None)
+
     @cached_property
     def reduced(self) -> scipy.sparse.csr_matrix:
         """The same in the unknowns."""

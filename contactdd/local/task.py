@@ -24,6 +24,7 @@ class LocalTask:
         comm: The ranks that make the problem together, each of which is given the same task.
         original: The local problem, of the same kind, of the body that this one copies; None if it is no copy.
         signs: (dim,) the ±1 between the components of the original's displacements and this body's.
+        crowded: Whether there are so many bodies that nothing is kept which is mostly zeros or seldom asked for.
     """
 
     body: Any
@@ -32,3 +33,4 @@ class LocalTask:
     comm: MPI.Comm = field(default_factory=lambda: MPI.COMM_SELF)
     original: Any = None
     signs: Floats = field(default_factory=lambda: np.ones(0))
+    crowded: bool = False
