@@ -56,6 +56,11 @@ def _by_all_ranks(function: Callable[P, Solution]) -> Callable[P, Solution]:
         scene = arguments[0] if arguments else options.get("scene")
         if not isinstance(scene, Scene):
             raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
+        if "accuracy" in options:
+            raise TypeError(
+                f"accuracy = {options['accuracy']!r}: solve keeps the scene's meshes; expected "
+                "cd.adapt(scene, accuracy), which makes meshes for it"
+            )
         if scene.ranks.alone:
             return function(*arguments, **options)
         with scene.ranks.together(), interrupts_agreed(scene.ranks):

@@ -128,6 +128,13 @@ class AdmissibleSpace:
         marked[dofs] = True
         return np.flatnonzero(marked[self.free_dofs])
 
+    def nodes(self, dim: int) -> Indices:
+        """The node to which each unknown belongs; dim: degrees of freedom of a node."""
+        if self.mixing is None:
+            return self.free_dofs // dim
+        by_column = self.mixing.tocsc()
+        return by_column.indices[by_column.indptr[:-1]] // dim
+
     def columns_of(self, kept: Indices, small: int) -> Callable[[scipy.sparse.csr_matrix], Operator]:
         """From operators on all degrees of freedom to those on the kept unknowns.
 

@@ -22,6 +22,7 @@ from ..layer import Layer
 from ..local.problem import ContactTrace, LocalProblem
 from ..local.remote import load_sizes
 from ..local.rigid import RigidMotions
+from ..local.stiffness import SelectedStiffness
 from .block_diagonal import BlockDiagonal, OwnedBlocks
 from .joint_motions import ManyMotions, joint_motions
 from .state import State
@@ -113,8 +114,15 @@ class Ensemble:
     def stiffness_matrix(self) -> scipy.sparse.csr_matrix:
         """The stiffness of all bodies as one sparse matrix, on every rank."""
         bodies = range(len(self.problems))
-        blocks = [self._block(body) for body in bodies] if self._apart is None else self._apart.each(self._block)
-        return BlockDiagonal([b.toarray() if isinstance(b, SpectralStiffness) else b for b in blocks]).tocsr()
+        each = [self._matrix(body) for body in bodies] if self._apart is None else self._apart.each(self._matrix)
+        return BlockDiagonal(each).tocsr()
+
+    def _matrix(self, body_index: int) -> Operator:
+        """The stiffness of a body that this rank holds, as a matrix."""
+        stiffness: Any = self._block(body_index)
+        if isinstance(stiffness, SpectralStiffness):
+            return stiffness.toarray()
+        return stiffness.matrix if isinstance(stiffness, SelectedStiffness) else stiffness
 
     @cached_property
     def rigid(self) -> RigidMotions | ManyMotions:
