@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
     from .decks import read_scene
+    from .deferred_body import DeferredBody
     from .dual.bound import EnergyBound, energy_bound
     from .eigenstrain import Eigenstrain, ThermalStrain
     from .files import from_gmsh, read_bodies, read_geometry, read_gmsh, read_mesh
@@ -91,6 +92,7 @@ _LATER = {
     "Cone": "shapes",
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
+    "DeferredBody": "deferred_body",
     "Eigenstrain": "eigenstrain",
     "ElasticStrip": "partners.periodic",
     "EnergyBound": "dual.bound",
@@ -159,6 +161,7 @@ __all__ = [
     "Correction",
     "CustomLayer",
     "Cylinder",
+    "DeferredBody",
     "DenseSystem",
     "Displacement",
     "Eigenstrain",

@@ -140,6 +140,7 @@ def adapt(
         np.inf if time_limit is None else positive("time_limit", time_limit),
     )
     check_choice("on_failure", on_failure, ("warn", "ignore"))
+    scene.refuse_deferred("adapt")
     for body in scene.bodies:
         _refuse_what_stays(body)
     estimate, rounds, status = _refined_until(scene, limits, options)

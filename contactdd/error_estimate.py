@@ -345,6 +345,7 @@ def _doubt_nodal_pressure(solution: Solution, index: int) -> None:
 def _raised(solution: Solution, degrees: int | None) -> Scene:
     """The same scene in elements of a higher degree."""
     scene = solution.scene
+    scene.refuse_deferred("elements of a higher degree")
     bodies: Mapping[str, Body] = {
         body.name: body.with_degree(body.degree + _more(body, degrees))
         for body in scene.bodies

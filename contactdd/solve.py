@@ -265,7 +265,7 @@ def _ensemble(scene: Scene, scheme: Scheme, local_solver: str) -> Ensemble:
     problems, interfaces = scene.local_problems(local_solver), scene.interfaces
     if scheme.decomposed and _is_hard(scene):
         interfaces = [interface.decomposed() for interface in interfaces]
-    return Ensemble(problems, [*interfaces, *scene.sliding])
+    return Ensemble(problems, [*interfaces, *scene.sliding], scene.ranks)
 
 
 def _raise_failure(solution: Solution, ending: Termination) -> None:
@@ -325,11 +325,11 @@ def _start(
     previous: starts.Given | None,
 ) -> starts.State:
     """The first iterate."""
+    ranks = scene.ranks
     if isinstance(start, Solution):
         bodies = {body.name: body for body in scene.bodies}
-        state = starts.from_displacements(ensemble, lambda name: start.displacement_on(bodies[name]))
+        state = starts.from_displacements(ensemble, ranks, lambda name: start.displacement_on(bodies[name]))
         return starts.with_multipliers(state, ensemble, start.multipliers)
-    ranks = scene.ranks
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
     # Contacts without pressure hold no body; only a line search on the energy survives that.

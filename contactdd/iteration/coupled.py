@@ -13,8 +13,6 @@ from ..base.arrays import Floats
 from ..base.sparse import entry_positions, product_map
 from ..local.factor import Factor
 from ..local.problem import Solver
-from ..local.remote import as_matrix
-from ..system.block_diagonal import BlockDiagonal
 from ..system.ensemble import Ensemble
 
 
@@ -68,7 +66,7 @@ class SparseSystem:
 
     def __init__(self, ensemble: Ensemble) -> None:
         self._approach = scipy.sparse.csr_matrix(ensemble.normal_approach)
-        stiffness = BlockDiagonal([as_matrix(problem.stiffness) for problem in ensemble.problems]).tocsr()
+        stiffness = ensemble.stiffness_matrix()
         diagonal = scipy.sparse.eye(ensemble.size).tocsr()
         self._matrix = (_ones(stiffness) + _ones(abs(self._approach).T @ abs(self._approach)) + diagonal).tocsr()
         self._stiffness = np.zeros(self._matrix.nnz)

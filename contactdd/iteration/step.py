@@ -20,6 +20,10 @@ from .krylov import Krylov
 LARGEST_DIRECT = 6000
 
 
+#: The same on several ranks, each of which would gather and factor it.
+LARGEST_GATHERED = 2000
+
+
 class Step(Protocol):
     """One kind of linear problem.
 
@@ -54,7 +58,8 @@ def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
         if surface is not None:
             return Pressures(ensemble, surface, f"auto: Newton in {len(ensemble.weights)} pressures")
     entries = sum(problem.size**2 for problem in problems)
-    small = entries <= LARGEST_DIRECT**2 and not any(problem.factor_free for problem in problems)
+    largest = LARGEST_DIRECT if ranks.alone else LARGEST_GATHERED
+    small = entries <= largest**2 and not any(problem.factor_free for problem in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {ensemble.size} unknowns factored" if scheme.step == "auto" else ""
         return CoupledSystem(ensemble, note)

@@ -34,11 +34,10 @@ class MultigridProblem:
     def __init__(self, task: LocalTask) -> None:
         self.name, self.length = task.body.name, task.body.mesh.size
         self.dofs = task.discrete
-        own = self.dofs.stiffness.operator
-        self.stiffness: Operator = task.collective(own)
+        self.stiffness: Operator = self.dofs.stiffness.operator
         self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
         self.rigid = self.dofs.rigid_motions(self.traces)
-        self._robin = _RobinSystem(self.dofs, own, self.traces, self.rigid)
+        self._robin = _RobinSystem(self.dofs, self.dofs.stiffness.operator, self.traces, self.rigid)
         if isinstance(task.original, MultigridProblem):
             self._robin.share_with(task.original._robin, self.dofs.mirrored(task.signs))
 
