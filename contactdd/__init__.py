@@ -78,6 +78,7 @@ if TYPE_CHECKING:
     from .partners.rigid_body import RigidBody
     from .point_force import PointForce
     from .saved import SavedSolution, load_solution
+    from .scattered_heights import ScatteredHeights
     from .scene_file import SceneFile, SceneFileError, read_scene_file
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
@@ -122,6 +123,7 @@ _LATER = {
     "SeriesLayer": "layers.series",
     "Shape": "shapes",
     "Sphere": "shapes",
+    "ScatteredHeights": "scattered_heights",
     "SurfaceHeights": "surface_heights",
     "TableLayer": "layers.table",
     "ThermalStrain": "eigenstrain",
@@ -217,6 +219,7 @@ __all__ = [
     "RigidBody",
     "Round",
     "SavedSolution",
+    "ScatteredHeights",
     "Scene",
     "SceneFile",
     "SceneFileError",

@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).parents[1] / "contactdd"
 LEVELS = [
     ["base"],
     ["errors", "parameter", "coefficient_value"],
-    ["field", "kinematics", "layer", "quadrature", "mesh", "material", "surface_heights"],
+    ["field", "kinematics", "layer", "quadrature", "mesh", "material", "scattered_heights", "surface_heights"],
     ["piecewise_material", "smoothing"],
     ["layers", "hard_contact"],
     ["files", "shapes"],
