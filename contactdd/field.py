@@ -14,6 +14,7 @@ from dolfinx import fem
 from dolfinx import mesh as dmesh
 
 from .base.checks import as_floats, check_vector
+from .base.facets import facet_corners
 from .parameter import Followed, ParameterField, current
 
 #: The value of a load or a prescribed displacement, as a user may give it.
@@ -28,8 +29,9 @@ Field: TypeAlias = (
     | ParameterField
 )
 
-#: How far into a cell a function is looked at for a jump, in sizes of the cell, and what is one, in largest values.
-NUDGE, JUMP = 1e-10, 1e-3
+#: How far inside a facet a function is looked at for a jump, in sizes of the facet (farther than what functions allow
+#: for rounding of coordinates), and what is one, in the facet's largest value.
+NUDGE, JUMP = 1e-6, 1e-3
 
 
 def check_field(name: str, value: Any, vector: bool = False) -> None:
@@ -53,14 +55,19 @@ def check_dimension(name: str, value: Any, dim: int) -> None:
         check_vector(name, value, dim)
 
 
-def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], degree: int) -> Any:
-    """`value` as a UFL coefficient of the given shape on `domain`.
+def coefficient(
+    name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], degree: int, facets: np.ndarray
+) -> Any:
+    """`value` as a UFL coefficient of the given shape on facets (n, 2) of `domain`, each a cell and its local facet.
 
     Numbers become `fem.Constant`s, so that another value never compiles another form. Functions take coordinates
-    x (3, points) as dolfinx's do and are interpolated by polynomials of `degree` in each cell; where cells meet they
+    x (3, points) as dolfinx's do and are interpolated by polynomials of `degree` in each cell; where facets meet they
     may jump. Of a parameter, its present value.
     """
-    return _coefficient(name, value, domain, shape, ("Discontinuous Lagrange", degree, shape))
+    made = _coefficient(name, value, domain, shape, ("Discontinuous Lagrange", degree, shape))
+    if isinstance(made, fem.Function) and made is not current(value):
+        _take_sides(name, value, made, facets)
+    return made
 
 
 def volume_coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, ...], degree: int) -> Any:
@@ -81,8 +88,7 @@ def _coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, 
     if callable(value):
         function = fem.Function(fem.functionspace(domain, element))
         size = math.prod(shape)  # dolfinx takes tensors row by row
-        cells = cell_count(domain)
-        function.interpolate(lambda x: one_sided(name, value, x, shape, cells).reshape(size, -1))
+        function.interpolate(lambda x: evaluate(name, value, x, shape).reshape(size, -1))
         return function
     array = as_floats(name, value, f"finite values of shape {shape}")
     if array.shape != shape or not np.all(np.isfinite(array)):
@@ -90,18 +96,32 @@ def _coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, 
     return fem.Constant(domain, array if shape else float(array))
 
 
-def cell_count(domain: dmesh.Mesh) -> int:
-    """The number of cells on this rank, ghosts too."""
-    cells = domain.topology.index_map(domain.topology.dim)
-    return cells.size_local + cells.num_ghosts
+def _take_sides(name: str, value: Field, function: fem.Function, facets: np.ndarray) -> None:
+    """Where a function jumps at the nodes of facets (n, 2), give each the value that it has inside of that facet.
+
+    Seen along the facet, not into the cell: a function need not be known, or the same, under the surface.
+    """
+    space, shape = function.function_space, function.ufl_shape
+    x, values = space.tabulate_dof_coordinates(), function.x.array.reshape(-1, math.prod(shape))
+    cell, degree = space.mesh.topology.cell_name(), space.ufl_element().embedded_superdegree
+    # The same nodes in the same order, whose places the discontinuous element does not tell.
+    of_facets = basix.ufl.element("P", cell, degree).entity_closure_dofs[space.mesh.topology.dim - 1]
+    for local in np.unique(facets[:, 1]):
+        ours = facets[facets[:, 1] == local]
+        nodes = space.dofmap.list[ours[:, 0]][:, of_facets[local]]
+        there = _flattened(x[nodes], facet_corners(space.mesh, ours))
+        inside = there + NUDGE * (there.mean(axis=1, keepdims=True) - there)
+        near = evaluate(name, value, inside.reshape(-1, 3).T, shape).reshape(values.shape[1], *nodes.shape)
+        near = np.moveaxis(near, 0, -1)
+        size = np.maximum(np.abs(values[nodes]), np.abs(near)).max(axis=(1, 2), keepdims=True)
+        values[nodes] = np.where(np.abs(near - values[nodes]) > JUMP * size, near, values[nodes])
 
 
-def one_sided(name: str, value: Field, x: np.ndarray, shape: tuple[int, ...], cells: int) -> np.ndarray:
-    """`value` at points x (3, n) that stand cell by cell: where it jumps, the values that it has inside each cell."""
-    nodes = x.reshape(3, cells, -1)
-    inside = nodes + NUDGE * (nodes.mean(axis=2, keepdims=True) - nodes)
-    there, near = (evaluate(name, value, each.reshape(3, -1), shape) for each in (nodes, inside))
-    return np.where(np.abs(near - there) > JUMP * np.abs(there).max(initial=0.0), near, there)
+def _flattened(x: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Points x (n, k, 3) of facets of given corners (n, c, dim), without rounding along axes that facets stand on."""
+    sizes, dim = np.ptp(x, axis=1, keepdims=True), corners.shape[2]
+    flat = sizes[:, :, :dim] <= 1e-9 * sizes.max(axis=2, keepdims=True)
+    return np.concatenate([np.where(flat, corners[:, :1], x[:, :, :dim]), x[:, :, dim:]], axis=2)
 
 
 def refuse_other_mesh(name: str, value: Any, domain: dmesh.Mesh) -> None:

@@ -50,7 +50,7 @@ class Pressure:
             on: The elements of the body.
             v: Their test function.
         """
-        p = coefficient("pressure", self.value, on.domain, (), on.field_degree)
+        p = coefficient("pressure", self.value, on.domain, (), on.field_degree, on.mesh.entities(self.surface))
         return on.over_surface(-p * ufl.dot(ufl.FacetNormal(on.domain), v), self.surface)
 
 
@@ -95,7 +95,7 @@ class Traction:
             on: The elements of the body.
             v: Their test function.
         """
-        p = coefficient("traction", self.value, on.domain, (on.dim,), on.field_degree)
+        p = coefficient("traction", self.value, on.domain, (on.dim,), on.field_degree, on.mesh.entities(self.surface))
         return on.over_surface(ufl.dot(p, v), self.surface)
 
 

@@ -274,7 +274,7 @@ class Spring:
             v: Their test function.
         """
         value = self._values if callable(self.stiffness) else self.stiffness
-        k = coefficient("stiffness", value, on.domain, (), on.field_degree)
+        k = coefficient("stiffness", value, on.domain, (), on.field_degree, on.mesh.entities(self.surface))
         if self.direction is None:
             return on.over_surface(k * ufl.dot(u, v), self.surface)
         e = ufl.FacetNormal(on.domain) if isinstance(self.direction, str) else self._direction(on)

@@ -119,6 +119,13 @@ class Model:
         values[key] = values[key] + value if there else value
         self._given.add((id(values), key))
 
+    def renew(self, card: Card, *values: dict[Any, Any]) -> None:
+        """Forget what earlier steps have put into values if a card, the first of its keyword in a step, says so."""
+        first = card.keyword not in self._given
+        self._given.add(card.keyword)
+        for each in values if first and card.parameters.get("OP") == "NEW" else ():
+            each.clear()
+
     def expect(self, card: Card, *parameters: str) -> None:
         """Note the parameters of a card that are none of these, all of which are heeded or change nothing."""
         for name in card.parameters:
@@ -266,8 +273,12 @@ def _amplitude(model: Model, card: Card) -> None:
         or card.parameters.get("VALUE", "RELATIVE") != "RELATIVE"
     ):
         model.not_understood("AMPLITUDE, DEFINITION or VALUE")
+        model.amplitudes[card.parameters["NAME"]] = Amplitude(np.zeros(1), np.ones(1), False)
+        return
     shifts = [number_of(card.parameters.get(name, "0")) for name in ("SHIFTX", "SHIFTY")]
     table = np.array(_numbers(card)).reshape(-1, 2) + shifts
+    if len(table) == 0 or not np.all(np.isfinite(table)) or np.any(np.diff(table[:, 0]) < 0.0):
+        raise ValueError("expected pairs of a time and a factor, the times in increasing order")
     total = card.parameters.get("TIME", "").replace(" ", "") == "TOTALTIME"
     model.amplitudes[card.parameters["NAME"]] = Amplitude(table[:, 0], table[:, 1], total)
 
@@ -286,8 +297,7 @@ def _factor(model: Model, card: Card) -> float:
 
 def _boundary(model: Model, card: Card) -> None:
     factor = _factor(model, card)
-    if card.parameters.get("OP") == "NEW":
-        model.boundaries.clear()
+    model.renew(card, model.boundaries)
     for row in _rows(card):
         first, last = NAMED_SUPPORTS.get(row[1].upper(), (0, 0)) if len(row) > 1 else (0, 0)
         if not first:
@@ -299,8 +309,7 @@ def _boundary(model: Model, card: Card) -> None:
 
 def _cload(model: Model, card: Card) -> None:
     factor = _factor(model, card)
-    if card.parameters.get("OP") == "NEW":
-        model.forces.clear()
+    model.renew(card, model.forces)
     for row in _rows(card):
         for node in model.nodes(row[0]):
             model.load(model.forces, (node, int(row[1])), factor * number_of(row[2]))
@@ -308,9 +317,7 @@ def _cload(model: Model, card: Card) -> None:
 
 def _dload(model: Model, card: Card) -> None:
     factor = _factor(model, card)
-    if card.parameters.get("OP") == "NEW":
-        model.pressures.clear()
-        model.gravity.clear()
+    model.renew(card, model.pressures, model.gravity)
     for row in _rows(card):
         label = row[1].upper()
         if label == "GRAV":
@@ -348,8 +355,7 @@ def _temperature(model: Model, card: Card) -> None:
     if "FILE" in card.parameters:
         model.not_understood("TEMPERATURE, FILE")
     factor = _factor(model, card)
-    if card.parameters.get("OP") == "NEW":
-        model.temperature.clear()
+    model.renew(card, model.temperature)
     for row in _rows(card):
         model.temperature |= dict.fromkeys(model.nodes(row[0]), factor * number_of(row[1]))
 

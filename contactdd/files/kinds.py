@@ -94,9 +94,10 @@ def completed(kind: Kind, nodes: Integers, x: Floats) -> tuple[Kind, Integers, F
     if kind not in SERENDIPITY:
         return kind, nodes, x
     if kind.shape == "quadrilateral":
-        x = np.concatenate([x, 0.5 * x[nodes[:, 4:]].sum(axis=1) - 0.25 * x[nodes[:, :4]].sum(axis=1)])
-        new = np.arange(len(x) - len(nodes), len(x))[:, None]
-        return SERENDIPITY[kind], np.hstack([nodes, new]), x
+        # A cell that a file has once for each of its groups has one middle.
+        _, first, same = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True)
+        middles = (0.5 * x[nodes[:, 4:]].sum(axis=1) - 0.25 * x[nodes[:, :4]].sum(axis=1))[first]
+        return SERENDIPITY[kind], np.hstack([nodes, len(x) + same.reshape(-1, 1)]), np.concatenate([x, middles])
     faces = nodes[:, np.array(HEXAHEDRON_FACES)].reshape(-1, 4)
     _, first, face = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_inverse=True)
     edges = nodes[:, 8 + _face_edges()].reshape(-1, 4)
