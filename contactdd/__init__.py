@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from . import reference
     from .adaptation import Adaptation, Round, adapt
     from .decks import read_scene
+    from .deferred_body import DeferredBody
     from .dual.bound import EnergyBound, energy_bound
     from .eigenstrain import Eigenstrain, ThermalStrain
     from .files import from_gmsh, read_bodies, read_geometry, read_gmsh, read_mesh
@@ -77,9 +78,11 @@ if TYPE_CHECKING:
     from .partners.rigid_body import RigidBody
     from .point_force import PointForce
     from .saved import SavedSolution, load_solution
+    from .scattered_heights import ScatteredHeights
     from .scene_file import SceneFile, SceneFileError, read_scene_file
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
+    from .surface_heights import SurfaceHeights
 
 #: Where that is which most scenes don't use, imported when first asked for: layer laws, bodies without a mesh and their
 #: shapes, files, saved solutions, adaptation.
@@ -90,6 +93,7 @@ _LATER = {
     "Cone": "shapes",
     "CustomLayer": "layers.custom",
     "Cylinder": "shapes",
+    "DeferredBody": "deferred_body",
     "Eigenstrain": "eigenstrain",
     "ElasticStrip": "partners.periodic",
     "EnergyBound": "dual.bound",
@@ -119,6 +123,8 @@ _LATER = {
     "SeriesLayer": "layers.series",
     "Shape": "shapes",
     "Sphere": "shapes",
+    "ScatteredHeights": "scattered_heights",
+    "SurfaceHeights": "surface_heights",
     "TableLayer": "layers.table",
     "ThermalStrain": "eigenstrain",
     "VaryingLayer": "layers.varying",
@@ -157,6 +163,7 @@ __all__ = [
     "Correction",
     "CustomLayer",
     "Cylinder",
+    "DeferredBody",
     "DenseSystem",
     "Displacement",
     "Eigenstrain",
@@ -212,6 +219,7 @@ __all__ = [
     "RigidBody",
     "Round",
     "SavedSolution",
+    "ScatteredHeights",
     "Scene",
     "SceneFile",
     "SceneFileError",
@@ -222,6 +230,7 @@ __all__ = [
     "Sphere",
     "Spring",
     "StepFailedError",
+    "SurfaceHeights",
     "SurfaceResult",
     "Symmetry",
     "TableLayer",

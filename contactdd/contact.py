@@ -11,6 +11,7 @@ import ufl
 
 from .base.checks import as_bool, as_count, check_choice, positive
 from .body import Body
+from .deferred_body import DeferredBody
 from .field import check_field
 from .hard_contact import HardContact
 from .layer import Layer
@@ -19,7 +20,7 @@ from .parameter import Parameter, ParameterField, current
 from .quadrature import RULES
 
 #: A body's side of a contact: a body and the name of its surface, or a body without a mesh.
-Side = tuple[Body, str] | MeshlessBody
+Side = tuple[Body | DeferredBody, str] | MeshlessBody
 Gap = float | Callable[[np.ndarray], np.ndarray] | Parameter | ParameterField
 
 
@@ -27,12 +28,13 @@ class Contact:
     """The possible contact zone S_αβ of two bodies: two named surfaces, the layer between them and the gap.
 
     Args:
-        first, second: (body, surface name), or a body without a mesh.
+        first, second: (body, surface name), or a body without a mesh. What has to be asked of a `DeferredBody` is asked
+            by the scene.
         layer: The law w ↦ σ_n of both surfaces' layers together, or `HardContact()` where there is none. The law begins
             where the gap is the layer's clearance, 0 for most: all gaps of a solution count from there.
         gap: d(x), the initial gap in addition to the distance of the two meshes (length), negative for an interference:
             a number, a `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway
-            between the surfaces where their meshes do not match.
+            between the surfaces where their meshes do not match; of a rough surface its `SurfaceHeights`.
         measure_gap: Whether the distance of the two meshes counts: where they do not match, that of the smooth surfaces
             behind their facets. False ignores it and takes `gap` alone: for surfaces that coincide in reality but not
             as straight facets.
@@ -71,16 +73,7 @@ class Contact:
     ) -> None:
         sides = _checked_side("first", first), _checked_side("second", second)
         bodies = [body for body, _ in sides]
-        if all(body.mesh is None and body.contact_points() is None for body in bodies):
-            raise ValueError(
-                f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one with a mesh, or with points of its own"
-            )
         _check_layer(layer)
-        if bodies[0].kinematics.dim != bodies[1].kinematics.dim:
-            raise ValueError(
-                f"body {bodies[0].name!r} has {bodies[0].kinematics.dim} coordinates, body {bodies[1].name!r} "
-                f"{bodies[1].kinematics.dim}; expected both in the plane or both in space"
-            )
         check_field("gap", gap)
         if isinstance(gap, ufl.core.expr.Expr):
             raise TypeError(f"gap = {gap!r}: expected a number or a function of the coordinates")
@@ -93,11 +86,6 @@ class Contact:
             raise ValueError(
                 f"quadrature = {quadrature!r} with a hard contact: its pressure would waver; expected 'mortar'"
             )
-        if bodies[0].kinematics.axisymmetric and not RULES[quadrature].rings:
-            raise ValueError(
-                f"quadrature = {quadrature!r} between bodies of revolution: its points alone do not integrate 2πr v; "
-                f"expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"
-            )
         self.sides = sides
         self.layer = layer
         self.gap = gap
@@ -106,6 +94,31 @@ class Contact:
         self.quadrature = quadrature
         self.quadrature_degree = None if quadrature_degree is None else as_count("quadrature_degree", quadrature_degree)
         self.name = name or f"{bodies[0].name}–{bodies[1].name}"
+        if not self.deferred:  # else once they are made
+            self._check_bodies()
+
+    @property
+    def deferred(self) -> bool:
+        """Whether a body is a `DeferredBody`, in whose place the scene has another contact of the same name."""
+        return any(isinstance(body, DeferredBody) for body, _ in self.sides)
+
+    def _check_bodies(self) -> None:
+        """Refuse bodies that do not go together."""
+        bodies = [body for body, _ in self.sides]
+        if all(body.mesh is None and body.contact_points() is None for body in bodies):
+            raise ValueError(
+                f"first = {bodies[0]!r}, second = {bodies[1]!r}: expected one with a mesh, or with points of its own"
+            )
+        if bodies[0].kinematics.dim != bodies[1].kinematics.dim:
+            raise ValueError(
+                f"body {bodies[0].name!r} has {bodies[0].kinematics.dim} coordinates, body {bodies[1].name!r} "
+                f"{bodies[1].kinematics.dim}; expected both in the plane or both in space"
+            )
+        if bodies[0].kinematics.axisymmetric and not RULES[self.quadrature].rings:
+            raise ValueError(
+                f"quadrature = {self.quadrature!r} between bodies of revolution: its points alone do not integrate 2πr "
+                f"v; expected one of {', '.join(repr(name) for name, rule in RULES.items() if rule.rings)}"
+            )
 
     @property
     def reach(self) -> float:
@@ -142,6 +155,7 @@ class Contact:
             for body, surface in pairs
         )
         other.sides = first, second
+        other._check_bodies()
         return other
 
     def raised(self, degrees: int, *, finely: bool = False) -> Contact:
@@ -214,10 +228,10 @@ def _checked_side(name: str, side: Side) -> tuple[Any, str]:
     """A side of a contact as (body, surface name); a body without a mesh stands for its whole surface."""
     if isinstance(side, MeshlessBody):
         return side, ""
-    if not (isinstance(side, tuple) and len(side) == 2 and isinstance(side[0], Body)):
+    if not (isinstance(side, tuple) and len(side) == 2 and isinstance(side[0], Body | DeferredBody)):
         raise TypeError(f"{name} = {side!r}: expected (body, surface name), or a body without a mesh")
     body, surface = side
-    if len(body.mesh.facets(surface)) == 0:
+    if isinstance(body, Body) and len(body.mesh.facets(surface)) == 0:
         raise ValueError(f"{name}: surface {surface!r} of body {body.name!r} has no facets")
     return body, surface
 

@@ -17,7 +17,7 @@ from .base.arrays import Floats, Integers
 from .base.checks import as_count, as_floats, check_choice, finite, listed
 from .base.conformity import hanging_nodes, pieces, ring_edges
 from .base.facets import facet_corners, facet_entities, facet_nodes
-from .base.isometry import Isometry, isometry_between, reflection, translation
+from .base.isometry import Isometry, isometry_between, reflection, rounded, translation
 from .base.refinement import Split, split
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
@@ -64,7 +64,8 @@ class Mesh:
         if ranks > 1:
             raise ValueError(
                 f"domain: the mesh is spread over {ranks} ranks; expected a mesh on one (made on MPI.COMM_SELF). "
-                "Ranks share a scene's bodies: Scene(bodies, contacts, comm=MPI.COMM_WORLD)"
+                "Ranks share a scene's bodies, not one body's cells: Scene(bodies, contacts, comm=MPI.COMM_WORLD), "
+                "with a cd.DeferredBody for each that only its owner should make"
             )
         _check_cells(self.domain)
         for name, facets in self.surfaces.items():
@@ -261,11 +262,31 @@ class Mesh:
         Args:
             other: The mesh of which this one may be an image.
         """
-        if not (self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)):
-            return None
+        return self.nodes_isometry_from(other) if self.same_surfaces(other) else None
+
+    def same_surfaces(self, other: Mesh) -> bool:
+        """Whether another mesh, of cells numbered alike, has the same named surfaces.
+
+        Args:
+            other: The mesh.
+        """
+        return self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)
+
+    def nodes_isometry_from(self, other: Mesh) -> Isometry | None:
+        """The same as `isometry_from`, whatever surfaces are named.
+
+        Args:
+            other: The mesh of which this one may be an image.
+        """
         if not self._same_cells(other):
             return None
         return isometry_between(other.domain.geometry.x[:, : self.dim], self.domain.geometry.x[:, : self.dim])
+
+    @cached_property
+    def fingerprint(self) -> int:
+        """A number that all copies of the mesh share, moved or mirrored, and other meshes hardly."""
+        x = self.domain.geometry.x[:, : self.dim]
+        return hash((self.cells, x.shape, rounded(np.abs(x - x[0]), self.size)))
 
     def _same_cells(self, other: Mesh) -> bool:
         """Whether both have the same cells, numbered alike, between nodes that may lie elsewhere."""
@@ -473,13 +494,40 @@ def from_arrays(
         subdomains: {name: indices of given cells}.
     """
     domain = compat.from_arrays(cells, np.ascontiguousarray(x), element)
-    dim = domain.topology.dim
-    domain.topology.create_connectivity(dim, dim - 1)
-    of_cell = domain.topology.connectivity(dim, dim - 1).array.reshape(len(cells), -1)
     new = np.argsort(domain.topology.original_cell_index)  # dolfinx's number of each given cell
-    facets = {name: np.unique(of_cell[new[pairs[:, 0]], pairs[:, 1]]) for name, pairs in surfaces.items()}
+    facets = {name: np.unique(each) for name, each in _facets_of(domain, new, surfaces).items()}
     parts = {name: np.sort(new[each]).astype(np.int32) for name, each in (subdomains or {}).items()}
     return Mesh(domain, facets, left_out, parts)
+
+
+def cells_behind(
+    cells: Integers, x: Floats, element: Any, surfaces: Mapping[str, Integers], extent: Floats
+) -> tuple[Mesh, Integers]:
+    """The mesh of some cells of a sound one, and which of them each of its cells is.
+
+    Its nodes, and the facets of its surfaces, keep their order: so it tells the same of its surfaces as the whole mesh.
+
+    Args:
+        cells, x, element, surfaces: As of `from_arrays`.
+        extent: The sides of the whole mesh's bounding box.
+    """
+    made = compat.from_arrays(cells, np.ascontiguousarray(x), element)
+    given = made.topology.original_cell_index
+    new = np.argsort(given)
+    facets = _facets_of(made, new, surfaces)
+    entities = {name: np.column_stack([new[p[:, 0]], p[:, 1]]).astype(np.int32) for name, p in surfaces.items()}
+    domain = compat.with_coordinates(made, x, cells[given].astype(np.int32))
+    mesh = Mesh._sound(domain, facets, entities, {}, {})
+    vars(mesh).update(extent=extent, piece_of_cell=np.zeros(len(cells), dtype=np.int32))
+    return mesh, given
+
+
+def _facets_of(domain: dmesh.Mesh, new: Integers, surfaces: Mapping[str, Integers]) -> dict[str, NDArray[np.int32]]:
+    """dolfinx's numbers of facets given by a cell and a local facet; new: its number of each given cell."""
+    dim = domain.topology.dim
+    domain.topology.create_connectivity(dim, dim - 1)
+    of_cell = domain.topology.connectivity(dim, dim - 1).array.reshape(len(new), -1)
+    return {name: of_cell[new[pairs[:, 0]], pairs[:, 1]] for name, pairs in surfaces.items()}
 
 
 def inside_the_body(facets: int) -> str:

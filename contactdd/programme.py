@@ -90,7 +90,7 @@ class LoadPath:
         """The files written for ParaView: the series name.pvd, then those of `Solution.export` for each step.
 
         The time of the series is the step's number; each file holds the parameter's value as field data. Collective:
-        on several ranks all have to call it; the first writes.
+        on several ranks all have to call it; each writes the bodies that it holds.
 
         Args:
             folder: The path of the folder, which is made if missing.
@@ -102,7 +102,7 @@ class LoadPath:
         from .view.export import export_series
 
         steps = [(solution._exported, value) for solution, value in zip(self._kept(), self.values, strict=True)]
-        return self.solutions[0].scene.ranks.once(lambda: export_series(steps, Path(folder), name))
+        return self.solutions[0].scene.ranks.written(lambda: export_series(steps, Path(folder), name))
 
     def plot_contact(self, contact: str | int | Contact = 0, *, label: str = LABEL, **options: Any) -> Any:
         """A matplotlib figure of a contact's pressure in every step, of plane bodies.

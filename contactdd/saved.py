@@ -153,7 +153,7 @@ class SavedSolution:
         from .view.export import Fields, export
 
         contacts = [(name, result, self.surfaces[name]) for name, result in self.contacts.items()]
-        return export(Fields(self.bodies, contacts), Path(folder))
+        return export(Fields({body.name: body for body in self.bodies}, contacts), Path(folder))
 
     def __repr__(self) -> str:
         lines = [f"SavedSolution by {self.method!r}: {self.status} ({self.reason})"]

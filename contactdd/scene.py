@@ -13,14 +13,16 @@ from typing import Any
 import numpy as np
 from mpi4py import MPI
 
-from .base.arrays import Floats
+from .base.arrays import Floats, Indices
 from .base.checks import as_tuple_of, check_choice, listed
 from .base.ranks import Ranks
 from .body import Body
 from .coefficient_value import CoefficientValue, coefficient_values
 from .contact import Contact
+from .deferred_body import DeferredBody
 from .hard_contact import HardContact
-from .interface.discretise import Interface, discretise
+from .interface.alike import discretise_all
+from .interface.discretise import Interface
 from .layer import Layer
 from .load import BodyLoad
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
@@ -37,7 +39,7 @@ class Scene:
     Factorisations and discretised contacts are computed on first use and reused by later solves.
 
     Args:
-        bodies: At least two, their names unique.
+        bodies: At least two, their names unique; a `DeferredBody` is made by the ranks that hold it.
         contacts: Between them; every body is in one at least.
         comm: The MPI ranks that share the bodies' work, by default this one alone. Collective: every rank must
             construct the same scene and call the same solves; each receives the whole solution.
@@ -55,15 +57,29 @@ class Scene:
     """
 
     def __init__(
-        self, bodies: Sequence[Body | MeshlessBody], contacts: Sequence[Contact], comm: MPI.Comm = MPI.COMM_SELF
+        self,
+        bodies: Sequence[Body | DeferredBody | MeshlessBody],
+        contacts: Sequence[Contact],
+        comm: MPI.Comm = MPI.COMM_SELF,
     ) -> None:
-        self.bodies = as_tuple_of("bodies", bodies, Body | MeshlessBody)
+        given = as_tuple_of("bodies", bodies, Body | DeferredBody | MeshlessBody)
         self.contacts = as_tuple_of("contacts", contacts, Contact)
         if not isinstance(comm, MPI.Comm):
             raise TypeError(f"comm = {comm!r}: expected an MPI communicator, such as MPI.COMM_WORLD")
-        self._check()
+        _check_given(given, self.contacts)
         # On a single rank the weights for load balancing are not needed.
-        self.ranks = Ranks(comm, [0.0 if comm.size == 1 or body.mesh is None else body.dofs for body in self.bodies])
+        self.ranks = Ranks(comm, [0.0 if comm.size == 1 else _work(body) for body in given])
+        #: Of a deferred body on several ranks, by its index: the degrees of freedom that all of them know.
+        self.known_dofs: dict[int, Indices] = {}
+        if any(isinstance(body, DeferredBody) for body in given):
+            from .skin import made_by_owners
+
+            with self.ranks.together():
+                self.bodies, self.contacts, self.known_dofs = made_by_owners(given, self.contacts, self.ranks)
+                self._check()
+        else:
+            self.bodies = given
+            self._check()
         self._interfaces: list[Interface] | None = None
         self._sliding: list[Interface] | None = None
         self._solvers: LocalSolvers | None = None
@@ -79,9 +95,8 @@ class Scene:
         """The discretised contacts, in order."""
         if self._interfaces is None:
             index = {id(body): i for i, body in enumerate(self.bodies)}
-            self._interfaces = [
-                discretise(c, (index[id(c.sides[0][0])], index[id(c.sides[1][0])])) for c in self.contacts
-            ]
+            places = [(index[id(c.sides[0][0])], index[id(c.sides[1][0])]) for c in self.contacts]
+            self._interfaces = discretise_all(self.contacts, places)
         return self._interfaces
 
     @property
@@ -110,10 +125,11 @@ class Scene:
         for body in self.bodies:
             if body.mesh is not None:
                 body.refuse_changed_material()
-        if self._parameter_values() != self._read:
+        if any(self.ranks.gather(self._parameter_values() != self._read)):  # of what its owner alone knows, too
             self.refresh()
         if self._solvers is None:
-            self._solvers = LocalSolvers(self.bodies, [*self.interfaces, *self.sliding], self.ranks)
+            interfaces = [*self.interfaces, *self.sliding]
+            self._solvers = LocalSolvers(self.bodies, interfaces, self.ranks, self.known_dofs)
         return self._solvers.problems(local_solver)
 
     @property
@@ -178,6 +194,7 @@ class Scene:
         Raises:
             TypeError, ValueError: There is no body of such a name, or the bodies do not fit the contacts.
         """
+        self.refuse_deferred("with_bodies")
         known = {body.name for body in self.bodies}
         for name, body in bodies.items():
             if name not in known:
@@ -197,6 +214,7 @@ class Scene:
         Raises:
             ValueError: There is no such body, it has no mesh of triangles or tetrahedra, or see `Body.on`.
         """
+        self.refuse_deferred("refined")
         if cells is None:
             cells = {body.name: None for body in self.bodies if body.mesh is not None}
         finer = {}
@@ -230,20 +248,38 @@ class Scene:
         """
         from .hints import hints
 
-        loads = [problem.dofs.load for problem in self.local_problems()]
+        self.refuse_deferred("hints")
+        problems = self.local_problems()
+        loads = self.ranks.each(lambda index: problems[index].dofs.load)
         return hints(self.bodies, loads, self.interfaces, self.sliding)
 
-    def body_index(self, body: str | Body) -> int:
+    def refuse_deferred(self, asked: str) -> None:
+        """Refuse what a rank cannot do that does not hold all bodies.
+
+        Args:
+            asked: What is asked for.
+
+        Raises:
+            ValueError: A deferred body is held by some ranks only.
+        """
+        for index in self.known_dofs:
+            raise ValueError(
+                f"{asked}: body {self.bodies[index].name!r} is deferred, and only ranks {self.ranks.teams[index]} hold "
+                "it; expected one rank, or bodies that all ranks make"
+            )
+
+    def body_index(self, body: str | Body | DeferredBody) -> int:
         """The index of a body in the scene.
 
         Args:
-            body: Its name or the `Body`.
+            body: Its name, the `Body` or the `DeferredBody`.
 
         Raises:
             ValueError: There is no such body.
         """
+        wanted = body.name if isinstance(body, DeferredBody) else body
         for index, other in enumerate(self.bodies):
-            if other is body or other.name == body:
+            if other is body or other.name == wanted:
                 return index
         raise ValueError(f"body = {body!r}: expected one of {', '.join(repr(b.name) for b in self.bodies)}")
 
@@ -256,8 +292,9 @@ class Scene:
         Raises:
             ValueError: There is no such contact.
         """
+        wanted = contact.name if isinstance(contact, Contact) and contact.deferred else contact
         for index, other in enumerate(self.contacts):
-            if contact in (other, index, other.name, _typed(other.name)):
+            if wanted in (other, index, other.name, _typed(other.name)):
                 return index
         known = ", ".join(repr(_typed(other.name)) for other in self.contacts)
         raise ValueError(f"contact = {contact!r}: expected an index or one of {known}")
@@ -289,10 +326,13 @@ class Scene:
     def follows(self, parameter: Parameter) -> bool:
         """Whether any load, prescribed displacement or gap of the scene follows a parameter.
 
+        With deferred bodies on several ranks collective: all have to call it.
+
         Args:
             parameter: The parameter in question.
         """
-        return any(parameter is other for other in self._parameters)
+        here = any(parameter is other for other in self._parameters)
+        return any(self.ranks.gather(here)) if self.known_dofs else here
 
     @cached_property
     def _parameters(self) -> list[Parameter | CoefficientValue]:
@@ -316,21 +356,12 @@ class Scene:
         return [np.asarray(parameter.value).tobytes() for parameter in self._parameters]
 
     def _check(self) -> None:
-        if not self.contacts:
-            raise ValueError("contacts = []: expected at least two bodies and a contact between them")
-        for name, count in Counter(body.name for body in self.bodies).items():
-            if count > 1:
-                raise ValueError(f"bodies: the name {name!r} is used {count} times; expected names used once")
         for body in self.bodies:
             if isinstance(body.local_solver, str):
                 check_choice("local_solver", body.local_solver, ("auto", *LOCAL_SOLVERS))
-        for name, count in Counter(contact.name for contact in self.contacts).items():
-            if count > 1:
-                raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
         used: dict[tuple[int, int], str] = {}
-        there = {id(body) for body in self.bodies}
         for contact in self.contacts:
-            _check_contact(contact, there, used)
+            _check_contact(contact, used)
         touching = {id(body) for contact in self.contacts for body, _ in contact.sides}
         for body in self.bodies:
             if id(body) not in touching:
@@ -340,13 +371,35 @@ class Scene:
                 admissible_space(body)  # refuses supports that prescribe different displacements
 
 
-def _check_contact(contact: Contact, there: set[int], used: dict[tuple[int, int], str]) -> None:
-    """The bodies of a contact are the scene's (there: their ids), and no facet is in two contacts."""
-    if contact.sides[0][0] is contact.sides[1][0]:
-        raise ValueError(f"contact {contact.name!r}: expected two different bodies")
+def _work(body: Body | DeferredBody | MeshlessBody) -> float:
+    """The work that a body is, in the unit of unknowns."""
+    if isinstance(body, DeferredBody):
+        return body.work
+    return 0.0 if body.mesh is None else body.dofs
+
+
+def _check_given(bodies: Sequence[Body | DeferredBody | MeshlessBody], contacts: Sequence[Contact]) -> None:
+    """Bodies and contacts have names of their own, and contacts lie between two of the bodies."""
+    if not contacts:
+        raise ValueError("contacts = []: expected at least two bodies and a contact between them")
+    for name, count in Counter(body.name for body in bodies).items():
+        if count > 1:
+            raise ValueError(f"bodies: the name {name!r} is used {count} times; expected names used once")
+    for name, count in Counter(contact.name for contact in contacts).items():
+        if count > 1:
+            raise ValueError(f"contacts: the name {name!r} is used {count} times; give them names")
+    there = {id(body) for body in bodies}
+    for contact in contacts:
+        if contact.sides[0][0] is contact.sides[1][0]:
+            raise ValueError(f"contact {contact.name!r}: expected two different bodies")
+        for body, _ in contact.sides:
+            if id(body) not in there:
+                raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
+
+
+def _check_contact(contact: Contact, used: dict[tuple[int, int], str]) -> None:
+    """The bodies of a contact are alike in their kinematics, and no facet is in two contacts."""
     for body, surface in contact.sides:
-        if id(body) not in there:
-            raise ValueError(f"contact {contact.name!r}: body {body.name!r} is not in the scene")
         if body.kinematics.axisymmetric != contact.sides[0][0].kinematics.axisymmetric:
             raise ValueError(f"contact {contact.name!r}: one body is axisymmetric; expected both or none")
         for facet in () if body.mesh is None else body.mesh.facets(surface).tolist():

@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cached_property, partial
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import basix.ufl
 import numpy as np
@@ -28,9 +28,10 @@ from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
 from .interface.surface import PointSurface
+from .local.remote import eigenstrain_load
 from .small_strains import StrainSize
 from .surface_result import SurfaceResult, Surfaces
-from .system.ensemble import STRAINING, eigenstrain_load
+from .system.ensemble import STRAINING
 from .system.joint_motions import settled
 
 if TYPE_CHECKING:
@@ -43,8 +44,15 @@ if TYPE_CHECKING:
     from .view.export import Fields as ExportedFields
 
 
+T = TypeVar("T")
+
+
 #: k h/E above which the pressure of points is replaced by the projected one on meshes that do not match.
 STIFF = 10.0
+
+
+#: The forces on a body that this rank does not hold.
+NOTHING: Floats = np.zeros(0)
 
 
 class Solution:
@@ -93,8 +101,8 @@ class Solution:
         self.parameter_values = scene.parameter_values()
         self._ensemble, self._state = ensemble, state
         self._displacements: dict[str, fem.Function] = {}
-        if not scene.ranks.alone:
-            _ = self._fields, self.energy  # while all ranks are here: later some may ask and others not
+        if not scene.ranks.alone:  # while all ranks are here: later some may ask and others not
+            _ = self._fields, self.energy, self._resultants, self.imbalance, self.residual, self.strain_sizes
 
     @property
     def converged(self) -> bool:
@@ -118,17 +126,31 @@ class Solution:
             body: Its name or the `Body`.
 
         Raises:
-            ValueError: The scene has no such body.
+            ValueError: The scene has no such body, or it is deferred and other ranks hold it.
         """
         body_index = self._place(body)
-        name = self.scene.bodies[body_index].name
         if self.scene.bodies[body_index].mesh is None:
             return self._fields[body_index].displacement
-        if name not in self._displacements:
-            function = fem.Function(self.scene.bodies[body_index].space, name="displacement")
+        if body_index in self.scene.known_dofs and not self.scene.ranks.owns(body_index):
+            raise ValueError(
+                f"body = {self.scene.bodies[body_index].name!r}: it is deferred, and rank "
+                f"{self.scene.ranks.teams[body_index][0]} holds its field; expected that rank, or solution.body(...)"
+            )
+        return self._displacement(body_index)
+
+    def _displacement(self, body_index: int) -> fem.Function:
+        """The displacement of a meshed body as this rank knows it."""
+        body = self.scene.bodies[body_index]
+        if body.name not in self._displacements:
+            function = fem.Function(body.space, name="displacement")
             function.x.array[:] = self._fields[body_index].displacement
-            self._displacements[name] = function
-        return self._displacements[name]
+            self._displacements[body.name] = function
+        return self._displacements[body.name]
+
+    def _by_owner(self, body: Body, make: Callable[[], T]) -> T:
+        """The result of a body; that of a deferred one is made by its owner, for all ranks. Collective then."""
+        index = self._place(body)
+        return self.scene.ranks.by_owner(index, make) if index in self.scene.known_dofs else make()
 
     def displacement_on(self, body: Body) -> Floats:
         """The displacement (dofs,) of the body of the same name in the elements of another, to go on from (length).
@@ -248,10 +270,12 @@ class Solution:
         index = self._contact_index(contact)
         interface, gaps, pressure = self.interfaces[index], self._gaps[index], self._pressure(index)
         body = self._meshed(interface.contact.sides[int(second)][0])
-        return sample.surface_result(interface, int(second), gaps, pressure, self.displacement(body))
+        return sample.surface_result(interface, int(second), gaps, pressure, self._displacement(self._place(body)))
 
     def body(self, body: str | Body) -> BodyResult:
         """The displacement and stress of a body at its nodes, as plain arrays.
+
+        Of a deferred body on several ranks collective, here and at points: all have to ask, its owner tells the others.
 
         Args:
             body: Its name or the `Body`.
@@ -260,8 +284,12 @@ class Solution:
             ValueError: The scene has no such body, or it has no mesh.
         """
         owner = self._meshed(body)
+        return self._by_owner(owner, lambda: self._body_result(owner))
+
+    def _body_result(self, body: Body) -> BodyResult:
+        """The result of a body that this rank holds."""
         contacts = list(zip(self.interfaces, self._gaps, strict=True))
-        return sample.body_result(owner, self.displacement(owner), self.stress(owner), contacts)
+        return sample.body_result(body, self.displacement(body), self.stress(body), contacts)
 
     def displacement_at(self, body: str | Body, points: ArrayLike) -> Floats:
         """The displacements of a body at points, (n, dim) (length).
@@ -274,7 +302,7 @@ class Solution:
             ValueError: Points lie outside of the body, or it has no mesh.
         """
         owner = self._meshed(body)
-        return sample.values_at(owner, self.displacement(owner), points)
+        return self._by_owner(owner, lambda: sample.values_at(owner, self.displacement(owner), points))
 
     def stress_at(self, body: str | Body, points: ArrayLike) -> Floats:
         """The six stresses of a body at points, (n, 6), in the order of `stress`.
@@ -289,7 +317,7 @@ class Solution:
             ValueError: Points lie outside of the body, or it has no mesh.
         """
         owner = self._meshed(body)
-        return sample.values_at(owner, self.stress(owner), points)
+        return self._by_owner(owner, lambda: sample.values_at(owner, self.stress(owner), points))
 
     def elastic_energy(self, body: str | Body | None = None) -> float:
         """The elastic energy ½ a(u, u) of a body or of all, that of springs included (force · length).
@@ -369,14 +397,22 @@ class Solution:
         Raises:
             ValueError: The scene has no such body.
         """
-        body_index = self._place(body)
-        parts = self._nodal_forces(body_index)
-        return {name: self._ensemble.problems[body_index].dofs.resultant(forces) for name, forces in parts.items()}
+        return dict(self._resultants[self._place(body)])
+
+    @cached_property
+    def _resultants(self) -> list[dict[str, Floats]]:
+        """The resultants on every body."""
+
+        def of(body_index: int) -> dict[str, Floats]:
+            resultant = self._ensemble.problems[body_index].dofs.resultant
+            return {name: resultant(forces) for name, forces in self._nodal_forces(body_index).items()}
+
+        return self.scene.ranks.each(of)
 
     def _nodal_forces(self, body_index: int) -> dict[str, Floats]:
         """The forces on a body at all its degrees of freedom, (dofs,) each."""
         problem = self._ensemble.problems[body_index]
-        loads, contact, fields = problem.dofs.load, self._contact_load(body_index), self._fields[body_index]
+        loads, contact, fields = problem.dofs.load, self._contact_load(body_index), self._held[body_index]
         supports = fields.elastic_forces - loads - contact
         # A free displacement has no reaction; what is left there is the iteration's residual, not a force.
         supports = problem.dofs.reactions(supports) - fields.spring_forces
@@ -389,18 +425,19 @@ class Solution:
         A force at work is the sum of the magnitudes of its nodal forces: where it balances itself, as in a press fit,
         its resultant is rounding. Of the loads that eigenstrains are only a thousandth counts.
         """
-        sums, sizes = [0.0], [0.0]
-        for body_index, body in enumerate(self.scene.bodies):
-            forces, dofs = self._nodal_forces(body_index), self._ensemble.problems[body_index].dofs
-            resultant, strains = dofs.resultant, eigenstrain_load(dofs)
-            sums.append(float(np.linalg.norm(resultant(np.sum(list(forces.values()), axis=0)))))
-            if strains is not None:
-                forces |= {"loads": forces["loads"] - strains, "eigenstrains": STRAINING * strains}
-            for force in forces.values():
-                vectors = force.reshape(-1, body.mesh.dim) if body.mesh else resultant(force)[None]
-                sizes.append(float(np.linalg.norm(vectors, axis=1).sum()))
+        sums, sizes = np.transpose(self.scene.ranks.each(self._balance))
         largest = float(np.max(sizes))  # not a number where one of them is
         return float(np.max(sums)) / largest if largest != 0.0 else 0.0
+
+    def _balance(self, body_index: int) -> tuple[float, float]:
+        """The size of all forces' resultant on a body, and that of the largest of these forces."""
+        forces, dofs = self._nodal_forces(body_index), self._ensemble.problems[body_index].dofs
+        mesh, resultant, strains = self.scene.bodies[body_index].mesh, dofs.resultant, eigenstrain_load(dofs)
+        left = float(np.linalg.norm(resultant(np.sum(list(forces.values()), axis=0))))
+        if strains is not None:
+            forces |= {"loads": forces["loads"] - strains, "eigenstrains": STRAINING * strains}
+        vectors = [force.reshape(-1, mesh.dim) if mesh else resultant(force)[None] for force in forces.values()]
+        return left, float(np.max([np.linalg.norm(each, axis=1).sum() for each in vectors]))
 
     @cached_property
     def residual(self) -> float:
@@ -409,11 +446,14 @@ class Solution:
         The forces at work are those that `solve` compares with, √(‖loads‖² + ‖contact forces‖²); where there are none,
         the residual is ‖F₁'(u)‖ itself.
         """
-        total = contacts = 0.0
-        for i, problem in enumerate(self._ensemble.problems):
-            contact, elastic = self._contact_load(i), self._fields[i].elastic_forces
-            total += float(np.sum(problem.dofs.free_forces(problem.dofs.load + contact - elastic) ** 2))
-            contacts += float(np.sum(problem.dofs.free_forces(contact) ** 2))
+
+        def squares(body_index: int) -> tuple[float, float]:
+            """Of the forces that are left on a body, and of those of its contacts."""
+            dofs, contact = self._ensemble.problems[body_index].dofs, self._contact_load(body_index)
+            left = dofs.free_forces(dofs.load + contact - self._held[body_index].elastic_forces)
+            return float(np.sum(left**2)), float(np.sum(dofs.free_forces(contact) ** 2))
+
+        total, contacts = np.sum(self.scene.ranks.each(squares), axis=0).tolist()
         scale = self._ensemble.at_work(float(np.sqrt(contacts)))
         return float(np.sqrt(total)) / scale if scale != 0.0 else float(np.sqrt(total))
 
@@ -461,8 +501,12 @@ class Solution:
     @cached_property
     def strain_sizes(self) -> list[StrainSize]:
         """The largest strain and rotation of each body that has a mesh, in the order of the scene's bodies."""
-        bodies = zip(self.scene.bodies, self._fields, strict=True)
-        return [small_strains.strain_size(body, fields.displacement) for body, fields in bodies if body.mesh]
+
+        def of(body_index: int) -> StrainSize | None:
+            body = self.scene.bodies[body_index]
+            return small_strains.strain_size(body, self._held[body_index].displacement) if body.mesh else None
+
+        return [size for size in self.scene.ranks.each(of) if size is not None]
 
     @property
     def largest_strain(self) -> float:
@@ -523,15 +567,15 @@ class Solution:
         One .vtu file of each body in its own degree: displacement, stress as a symmetric tensor and von Mises stress at
         the nodes, where neighbouring cells' stresses are averaged, and each cell's mean. Of each contact one of its
         points, with the pressures and gaps of `contact`, and one of each surface's facets, with those of
-        `contact_surface`; these also as text in contacts.xdmf. Collective: on several ranks all have to call it; the
-        first writes.
+        `contact_surface`; these also as text in contacts.xdmf. Collective: on several ranks all have to call it; each
+        writes the bodies that it holds, the first the contacts.
 
         Args:
             folder: The path of the folder; files of the same names in it are replaced.
         """
         from .view.export import export
 
-        return self.scene.ranks.once(lambda: export(self._exported(), Path(folder)))
+        return self.scene.ranks.written(lambda: export(self._exported(), Path(folder)))
 
     def save(self, folder: str | os.PathLike[str]) -> Path:
         """The folder that the solution was saved in as plain data, to be read by `load_solution` without the scene.
@@ -543,16 +587,30 @@ class Solution:
         """
         from .saved import save
 
-        return self.scene.ranks.once(lambda: save(self._plain(), Path(folder)))
+        bodies = self._gathered_bodies()
+        return self.scene.ranks.once(lambda: save(self._plain(bodies), Path(folder)))
+
+    def _gathered_bodies(self) -> list[BodyResult]:
+        """The results of all meshed bodies, on the first rank: elsewhere none is kept."""
+        first, found = self.scene.ranks.comm.rank == 0, []
+        for body in self._with_mesh():
+            result = self.body(body) if first or self._place(body) in self.scene.known_dofs else None
+            if first and result is not None:
+                found.append(result)
+        return found
 
     def _exported(self) -> ExportedFields:
         """The bodies' and contacts' results that are written for ParaView."""
         from .view.export import Fields
 
-        contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in self.scene.contacts]
-        return Fields([self.body(body) for body in self._with_mesh()], contacts)
+        ranks, bodies = self.scene.ranks, self._with_mesh()
+        ours = {body.name for body in bodies if ranks.speaks(self._place(body))}
+        first = self.scene.contacts if ranks.comm.rank == 0 else []
+        contacts = [(c.name, self.contact(c), self._surfaces(c)) for c in first]
+        results = {body.name: self._body_result(body) if body.name in ours else None for body in bodies}
+        return Fields(results, contacts)
 
-    def _plain(self) -> SavedSolution:
+    def _plain(self, bodies: list[BodyResult]) -> SavedSolution:
         """The solution as plain data."""
         from .saved import SavedSolution
 
@@ -563,7 +621,7 @@ class Solution:
             self.method,
             {name: float(getattr(self, name)) for name in names},
             self.history,
-            [self.body(body) for body in self._with_mesh()],
+            bodies,
             {c.name: self.contact(c) for c in self.scene.contacts},
             {c.name: self._surfaces(c) for c in self.scene.contacts},
             {body.name: self.forces(body) for body in self.scene.bodies},
@@ -608,23 +666,38 @@ class Solution:
 
     @cached_property
     def _fields(self) -> list[Fields]:
-        """The bodies' solutions, recovered from the condensed unknowns when first asked for."""
-        ensemble, state = self._ensemble, self._state
+        """The bodies' solutions; of a deferred one that others hold the displacement at its surfaces, and no forces."""
+        known, ranks = self.scene.known_dofs, self.scene.ranks
 
-        def of(body_index: int) -> Fields:
-            part = ensemble.parts[body_index]
-            return ensemble.problems[body_index].fields(state.unknowns[part], state.deformation[part])
+        def told(body_index: int) -> Fields:
+            whole = self._held[body_index]
+            if body_index not in known:
+                return whole
+            there = whole.displacement[known[body_index]]
+            return replace(whole, displacement=there, elastic_forces=NOTHING, spring_forces=NOTHING)
 
-        return self._settled(self.scene.ranks.each(of))
+        found = ranks.each(told)
+        for index, dofs in known.items():
+            surface = found[index].displacement
+            found[index] = self._held.get(index) or replace(found[index], displacement=surface[dofs])
+        return found
 
-    def _settled(self, fields: list[Fields]) -> list[Fields]:
-        """The fields without the common rigid motion that neither loads nor contacts determine.
+    @cached_property
+    def _held(self) -> dict[int, Fields]:
+        """The solutions of the bodies that this rank holds, recovered from the condensed unknowns when first asked for.
 
-        Of all equivalent solutions that with the smallest displacements; the iterate's own motion is rounding.
+        Without the common rigid motion that neither loads nor contacts determine: of all equivalent solutions that with
+        the smallest displacements; the iterate's own motion is rounding.
         """
-        problems, motions = self._ensemble.problems, self._ensemble.rigid
-        displacements = settled(problems, motions, [field.displacement for field in fields])
-        return [replace(f, displacement=u) for f, u in zip(fields, displacements, strict=True)]
+        ensemble, state, ranks = self._ensemble, self._state, self.scene.ranks
+        fields = {
+            index: problem.fields(state.unknowns[part], state.deformation[part])
+            for index, (problem, part) in enumerate(zip(ensemble.problems, ensemble.parts, strict=True))
+            if ranks.owns(index)
+        }
+        displacements = {index: each.displacement for index, each in fields.items()}
+        moved = settled(ensemble.problems, ensemble.rigid, displacements, ranks)
+        return {index: replace(each, displacement=moved[index]) for index, each in fields.items()}
 
     def _closed(self, interface: Interface) -> Floats:
         """u_αn + u_βn at the points of an interface, (points,), from the condensed unknowns where they suffice."""

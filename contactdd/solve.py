@@ -37,6 +37,8 @@ from .system.likeness import refuse_differences
 
 if TYPE_CHECKING:
     from .interface.discretise import Interface
+    from .iteration.active_set import ActiveSetRun
+    from .iteration.pressures import Pressures
     from .layers.gasket import GasketAtPoints, GasketLayer
 
 P = ParamSpec("P")
@@ -54,6 +56,11 @@ def _by_all_ranks(function: Callable[P, Solution]) -> Callable[P, Solution]:
         scene = arguments[0] if arguments else options.get("scene")
         if not isinstance(scene, Scene):
             raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
+        if "accuracy" in options:
+            raise TypeError(
+                f"accuracy = {options['accuracy']!r}: solve keeps the scene's meshes; expected "
+                "cd.adapt(scene, accuracy), which makes meshes for it"
+            )
         if scene.ranks.alone:
             return function(*arguments, **options)
         with scene.ranks.together(), interrupts_agreed(scene.ranks):
@@ -200,14 +207,20 @@ def _begun(
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
     previous: starts.Given | None,
-) -> Run | AugmentedRun:
+) -> Run | AugmentedRun | ActiveSetRun:
     """The run at its first iterate, or as a checkpoint has kept it."""
     if saved is not None:
         return Run(ensemble, scene.ranks, scheme, step, *read(saved, ensemble, scheme.name, scene.ranks))
     if isinstance(start, Solution):
         _warn_of_forgotten(scene, start)
     first = _start(ensemble, scene, scheme, gamma, start, previous)
-    return (AugmentedRun if _is_hard(scene) else Run)(ensemble, scene.ranks, scheme, step, first)
+    if not _is_hard(scene):
+        return Run(ensemble, scene.ranks, scheme, step, first)
+    if hasattr(step, "held") and (gamma is None or isinstance(gamma, str)):  # in the pressures, with nothing to relax
+        from .iteration.active_set import ActiveSetRun
+
+        return ActiveSetRun(ensemble, scene.ranks, scheme, cast("Pressures", step), first)
+    return AugmentedRun(ensemble, scene.ranks, scheme, step, first)
 
 
 def _remembering(scene: Scene, file: Path) -> Scene:
@@ -252,7 +265,7 @@ def _ensemble(scene: Scene, scheme: Scheme, local_solver: str) -> Ensemble:
     problems, interfaces = scene.local_problems(local_solver), scene.interfaces
     if scheme.decomposed and _is_hard(scene):
         interfaces = [interface.decomposed() for interface in interfaces]
-    return Ensemble(problems, [*interfaces, *scene.sliding])
+    return Ensemble(problems, [*interfaces, *scene.sliding], scene.ranks)
 
 
 def _raise_failure(solution: Solution, ending: Termination) -> None:
@@ -312,11 +325,11 @@ def _start(
     previous: starts.Given | None,
 ) -> starts.State:
     """The first iterate."""
+    ranks = scene.ranks
     if isinstance(start, Solution):
         bodies = {body.name: body for body in scene.bodies}
-        state = starts.from_displacements(ensemble, lambda name: start.displacement_on(bodies[name]))
+        state = starts.from_displacements(ensemble, ranks, lambda name: start.displacement_on(bodies[name]))
         return starts.with_multipliers(state, ensemble, start.multipliers)
-    ranks = scene.ranks
     if start is not None:
         return starts.from_contacts(ensemble, ranks, start, previous)
     # Contacts without pressure hold no body; only a line search on the energy survives that.

@@ -167,11 +167,15 @@ def mesh_of(domain: ufl.Mesh) -> dmesh.Mesh:
     return dmesh.Mesh(domain.ufl_cargo(), domain)
 
 
-def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64]) -> dmesh.Mesh:
-    """A mesh of the same topology, which is shared, with its nodes at x (nodes, dim)."""
+def with_coordinates(domain: dmesh.Mesh, x: NDArray[np.float64], nodes: NDArray[np.int32] | None = None) -> dmesh.Mesh:
+    """A mesh of the same topology, which is shared, with its nodes at x (nodes, dim).
+
+    nodes: (cells, nodes) those of the cells, by default as they are.
+    """
     old = domain.geometry._cpp_object
     element, dofmap = (old.cmaps[0], old.dofmaps[0]) if VERSION >= (0, 11) else (old.cmap, old.dofmap)
-    new = cpp.mesh.Geometry_float64(old.index_map(), dofmap, element, x, old.input_global_indices)
+    of_cells = dofmap if nodes is None else nodes
+    new = cpp.mesh.Geometry_float64(old.index_map(), of_cells, element, x, old.input_global_indices)
     mesh = cpp.mesh.Mesh_float64(domain.comm, domain.topology._cpp_object, new)
     return dmesh.Mesh(mesh, ufl.Mesh(domain.ufl_domain().ufl_coordinate_element()))
 

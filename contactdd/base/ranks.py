@@ -1,8 +1,8 @@
 """Bodies on MPI ranks: which rank holds which body, and what passes between them.
 
-Every rank knows all meshes and contacts. A body is assembled, factored and condensed by the rank that owns it, or by
-several together, and its solves are done there; what all ranks see of it is its condensed problem, of the size of its
-contacts.
+Every rank knows all contacts. A body is assembled, factored and condensed by the rank that owns it, or by several
+together; its matrices stay and are applied there, as its solves are. What all ranks see of it are its unknowns and the
+traces of these at its contacts.
 
 All that passes between the ranks is one kind of message, gathered from all by all. So whatever a rank is waiting for,
 it can be told there that another one has failed: see `Ranks.together`.
@@ -17,8 +17,6 @@ from typing import Any, TypeVar
 
 import numpy as np
 from mpi4py import MPI
-
-from .arrays import Floats
 
 T = TypeVar("T")
 
@@ -54,6 +52,10 @@ class Ranks:
     def owns(self, body_index: int) -> bool:
         """Whether this rank holds a body."""
         return self.comm.rank in self.teams[body_index]
+
+    def speaks(self, body_index: int) -> bool:
+        """Whether this rank is the one that tells the others of a body."""
+        return self.teams[body_index][0] == self.comm.rank
 
     def team(self, body_index: int) -> MPI.Comm:
         """The ranks that hold a body; to be asked by one of them."""
@@ -103,28 +105,35 @@ class Ranks:
             made = [(body_index, make(body_index)) for body_index in bodies if self.owns(body_index)]
         except Exception as error:
             failed = error
-        spoken = [(body_index, value) for body_index, value in made if self.teams[body_index][0] == self.comm.rank]
+        spoken = [(body_index, value) for body_index, value in made if self.speaks(body_index)]
         gathered = self._gathered("each", spoken, failed)
         return [value for _, value in sorted((pair for part in gathered for pair in part), key=lambda pair: pair[0])]
 
+    def by_owner(self, body_index: int, make: Callable[[], T]) -> T:
+        """The value of a body made by its owner, on all ranks; an error of it is raised on all."""
+        return self._from(self.teams[body_index][0], make)
+
     def once(self, make: Callable[[], T]) -> T:
         """The value made by the first rank, on all ranks; an error of it is raised on all."""
+        return self._from(0, make)
+
+    def _from(self, rank: int, make: Callable[[], T]) -> T:
+        """The value made by one rank, on all."""
         if self.alone:
             return make()
         made: Any = None
         failed: Exception | None = None
-        if self.comm.rank == 0:
+        if self.comm.rank == rank:
             try:
                 made = make()
             except Exception as error:
                 failed = error
-        return self._gathered("once", made, failed)[0]
+        return self._gathered("once", made, failed)[rank]
 
-    def sent(self, array: Floats, owner: int) -> Floats:
-        """The array of one rank, written into those of the others, which have its shape."""
-        self._gathered("sent", None)  # a rank that has failed does not come to what follows
-        self.comm.Bcast(array, root=owner)
-        return array
+    def written(self, write: Callable[[], list[T]]) -> list[T]:
+        """What all ranks have written, those of the first rank first; an error of one is raised on all."""
+        with self.together():
+            return [each for part in self.gather(write()) for each in part]
 
     def any_says(self, reason: str) -> str:
         """The first text of all ranks that is not empty, "" if there is none. Collective."""

@@ -10,8 +10,8 @@ import scipy
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
-from ..base.sparse import along_diagonal
 from ..local.problem import Solver
+from ..system.block_diagonal import BlockDiagonal
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
 
@@ -48,9 +48,8 @@ class Krylov:
         # On free motions only rounding does work: it is removed from the forces, and the motions from the steps.
         free = np.linalg.qr(rigid.free_displacements(phi))[0]
         rhs = residual - free @ (free.T @ residual)
-        coarse = self._coarse_space(phi)
-        image = self._ensemble.tangent(phi, coarse)
-        inverse = _pseudo_inverse(coarse.T @ image, rigid.stiffness_scale)
+        coarse, image = self._coarse_space(phi)
+        inverse = pseudo_inverse((coarse.T @ image).toarray(), rigid.stiffness_scale)
         held = self._held(phi)
 
         def precondition(vector: Floats) -> Floats:
@@ -86,15 +85,26 @@ class Krylov:
         self.body_solves += len(forces)
         return np.concatenate(self._ranks.each(lambda i: held[i](forces[i])))
 
-    def _coarse_space(self, phi: Phi) -> Floats:
-        """Rigid motions and lowest modes, orthonormal, (all unknowns, modes)."""
+    def _coarse_space(self, phi: Phi) -> tuple[scipy.sparse.csr_matrix, scipy.sparse.csr_matrix]:
+        """Rigid motions and lowest modes, orthonormal, and the coupled matrix times these, (all unknowns, modes)."""
+        ensemble = self._ensemble
 
-        def of(body_index: int) -> Floats:
-            problem = self._ensemble.problems[body_index]
-            modes = np.hstack([problem.rigid.modes, problem.low_modes(phi, self.LOWEST)])
-            return scipy.linalg.orth(modes, rcond=1e-10) if modes.shape[1] else modes
+        def of(body_index: int) -> tuple[Floats, Floats] | None:
+            """A body's part, None where it has no low modes: all ranks know its rigid motions."""
+            problem = ensemble.problems[body_index]
+            low = problem.low_modes(phi, self.LOWEST)
+            if low.shape[1] == 0:
+                return None
+            modes = scipy.linalg.orth(np.hstack([problem.rigid.modes, low]), rcond=1e-10)
+            moved = problem.rigid.modes.T @ modes
+            return modes, problem.stiffness @ (modes - problem.rigid.modes @ moved) + problem.rigid.springs @ moved
 
-        return along_diagonal(self._ranks.each(of))
+        parts = [
+            (problem.rigid.modes, scipy.sparse.csr_matrix(problem.rigid.springs)) if told is None else told
+            for problem, told in zip(ensemble.problems, self._ranks.each(of), strict=True)
+        ]
+        modes, forces = (BlockDiagonal(each).tocsr() for each in zip(*parts, strict=True))
+        return modes, forces + scipy.sparse.csr_matrix(ensemble.contact_forces(phi, modes))
 
 
 def deflated_conjugate_gradients(
@@ -144,7 +154,7 @@ def deflated_conjugate_gradients(
     return solution if square < smallest else best
 
 
-def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:
+def pseudo_inverse(matrix: Floats, largest: float) -> Floats:
     """The pseudo-inverse of a symmetric matrix, whose null space are motions of all bodies that nothing resists.
 
     largest: the stiffness in whose rounding such motions' resistance is lost.

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..local.spectral import SpectralProblem
 from ..scheme import Scheme
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
@@ -17,6 +18,10 @@ from .krylov import Krylov
 
 #: "auto" factors the coupled matrix if it has at most LARGEST_DIRECT² entries, counting one dense block per body.
 LARGEST_DIRECT = 6000
+
+
+#: The same on several ranks, each of which would gather and factor it.
+LARGEST_GATHERED = 2000
 
 
 class Step(Protocol):
@@ -46,8 +51,15 @@ def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
         return Ordered(ensemble, ranks, scheme.groups)
     if scheme.step == "decomposed":
         return Decomposed(ensemble, ranks)
+    if scheme.step == "auto" and any(isinstance(problem, SpectralProblem) for problem in problems):
+        from .pressures import Pressures, surface_of
+
+        surface = surface_of(ensemble)
+        if surface is not None:
+            return Pressures(ensemble, surface, f"auto: Newton in {len(ensemble.weights)} pressures")
     entries = sum(problem.size**2 for problem in problems)
-    small = entries <= LARGEST_DIRECT**2 and not any(problem.factor_free for problem in problems)
+    largest = LARGEST_DIRECT if ranks.alone else LARGEST_GATHERED
+    small = entries <= largest**2 and not any(problem.factor_free for problem in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):
         note = f"auto: coupled Newton, {ensemble.size} unknowns factored" if scheme.step == "auto" else ""
         return CoupledSystem(ensemble, note)

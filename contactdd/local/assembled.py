@@ -38,7 +38,7 @@ class AssembledProblem:
         self.name, self.length = task.body.name, task.body.mesh.size
         self.dofs = task.discrete
         self.matrix = self.dofs.stiffness.reduced
-        self.stiffness: Operator = task.collective(self.matrix)
+        self.stiffness: Operator = self.matrix
         self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
         self.rigid = self.dofs.rigid_motions(self.traces)
         self._robin = _RobinSystem(self.dofs, self.matrix, self.traces)

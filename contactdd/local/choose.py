@@ -6,15 +6,14 @@ adds one by name, and a body may bring its own, `Body(..., local_solver=make)`.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
 
-from ..base.arrays import Floats
+from ..base.arrays import Floats, Indices
 from ..base.ranks import Ranks
 from ..base.spectral import SpectralStiffness
 from ..interface.discretise import Interface, InterfaceSide
@@ -27,10 +26,12 @@ from .memory import refuse_if_too_large
 from .meshless import MeshlessProblem
 from .multigrid import MultigridProblem
 from .problem import LocalProblem
-from .remote import CollectiveOperator, RemoteProblem, SharedProblem
+from .remote import RemoteProblem, SharedProblem
 from .spectral import SpectralProblem
 from .task import LocalTask
 
+#: Bodies above which memory counts.
+MANY = 16
 #: The kind of a problem that a body makes itself.
 OWN = "own"
 #: Makes the local problem of a body.
@@ -83,10 +84,17 @@ class LocalSolvers:
         bodies: The bodies.
         interfaces: The discretised contacts between them.
         ranks: Which rank holds which body.
+        known_dofs: Of bodies that only their owners have: the degrees of freedom that all ranks know.
     """
 
-    def __init__(self, bodies: Sequence[Any], interfaces: Sequence[Interface], ranks: Ranks) -> None:
-        self._bodies, self._ranks = bodies, ranks
+    def __init__(
+        self,
+        bodies: Sequence[Any],
+        interfaces: Sequence[Interface],
+        ranks: Ranks,
+        known_dofs: Mapping[int, Indices] | None = None,
+    ) -> None:
+        self._bodies, self._ranks, self._known_dofs = bodies, ranks, known_dofs or {}
         self._sides = sides_of_bodies(len(bodies), interfaces)
         self._discrete: dict[int, DiscreteBody] = {}
         self._problems: dict[tuple[str, int], LocalProblem] = {}
@@ -99,10 +107,11 @@ class LocalSolvers:
         Args:
             local_solver: A registered name, or "auto": the one that is estimated to cost less.
         """
-        kinds = self._ranks.agree([self._kind(index, local_solver) for index in range(len(self._bodies))])
         if self._ranks.alone:
-            return [self._problem(kind, index) for index, kind in enumerate(kinds)]
-        return self._dealt_out(kinds)
+            return [self._problem(self._kind(index, local_solver), index) for index in range(len(self._bodies))]
+        told = self._ranks.each(lambda index: (self._kind(index, local_solver), self._choices.get(index)))
+        self._choices.update({index: choice for index, (_, choice) in enumerate(told) if choice is not None})
+        return self._dealt_out([kind for kind, _ in told])
 
     @property
     def notes(self) -> list[str]:
@@ -150,29 +159,34 @@ class LocalSolvers:
         return self._problems[kind, index]
 
     def _dealt_out(self, kinds: Sequence[str]) -> list[LocalProblem]:
-        """The problems of the bodies that this rank holds, and of the others the shared parts.
+        """The problems of the bodies that this rank holds, and what it is told of the others.
 
-        A body's own local problem is small, and is made by every rank.
+        A body without a mesh is small, and its problem is made by every rank.
         """
         ranks = self._ranks
         missing = any((kind, index) not in self._problems for index, kind in enumerate(kinds))
         if any(ranks.gather(missing)):
-            shared = ranks.each(
-                lambda index: None if kinds[index] == OWN else SharedProblem.of(self._problem(kinds[index], index))
-            )
-            for index, part in enumerate(shared):
+            for index, part in enumerate(ranks.each(lambda index: self._shared(kinds[index], index))):
                 if part is not None and not ranks.owns(index):
-                    task, owner = self._task(kinds[index], index), ranks.teams[index][0]
-                    self._problems[kinds[index], index] = RemoteProblem(task, part, owner, ranks)
+                    known = self._known_dofs.get(index)
+                    problem = RemoteProblem(self._bodies[index], self._sides[index], part, known)
+                    self._problems[kinds[index], index] = problem
         return [self._problem(kind, index) for index, kind in enumerate(kinds)]
+
+    def _shared(self, kind: str, index: int) -> SharedProblem | None:
+        """What the other ranks are told of a body's local problem, nothing of a body without a mesh."""
+        if self._bodies[index].mesh is None:
+            return None
+        return SharedProblem.of(self._problem(kind, index), self._known_dofs.get(index))
 
     def _task(self, kind: str, index: int) -> LocalTask:
         """The task of a body's local solver."""
         body, ranks = self._bodies[index], self._ranks
         task = LocalTask(body, self._sides[index], None if body.mesh is None else self._discrete_body(index))
+        if len(self._bodies) > MANY:
+            task = replace(task, crowded=True)
         if not ranks.alone and ranks.owns(index):
-            owner = ranks.teams[index][0]
-            task = replace(task, comm=ranks.team(index), collective=partial(CollectiveOperator, ranks, owner))
+            task = replace(task, comm=ranks.team(index))
         for other, signs in self._touched_alike(index):
             if (kind, other) in self._problems and task.discrete.space.free is not None:
                 return replace(task, original=self._problems[kind, other], signs=signs)

@@ -1,119 +1,157 @@
-"""A body that another rank holds: its local problem without the inside and the solves."""
+"""A body that another rank holds: what its owner tells of its local problem, whose solves are the owner's."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, NoReturn
 
 import numpy as np
 import scipy
 
 from ..base.arrays import Floats, Indices, Operator
-from ..base.ranks import Ranks
-from ..base.spectral import SpectralStiffness
-from .condensed import CondensedProblem, seen_from
-from .dense import DenseSystem
-from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
-from .task import LocalTask
+from ..body import Body
+from ..interface.discretise import InterfaceSide
+from .problem import BodyDofs, ContactTrace, Fields, LocalProblem, Solver, rigid_motions
 
 
-class CollectiveOperator:
-    """A matrix that one rank holds and all ranks apply together.
+@dataclass(frozen=True)
+class SharedDofs:
+    """What all ranks know of a body in all its degrees of freedom.
 
-    Args:
-        ranks: The ranks.
-        owner: The rank that holds the matrix.
-        matrix: The matrix on that rank; the others need none.
-        size: The number of its rows and columns where there is no matrix.
+    sizes: see `load_sizes`; prescribed, load_size: see `BodyDofs`; work: (all motions,) that of the loads on the rigid
+    motions; motions: (dofs, all motions) these, at the degrees of freedom of the body as this rank knows it, or those
+    that it is told of; none of a body that it knows.
     """
 
-    def __init__(self, ranks: Ranks, owner: int, matrix: Any = None, size: int = 0) -> None:
-        self._ranks, self._owner, self._matrix = ranks, owner, matrix
-        self.shape = (size, size) if matrix is None else matrix.shape
+    sizes: Floats
+    prescribed: bool
+    load_size: float
+    work: Floats
+    motions: Floats
 
-    def __matmul__(self, y: Floats) -> Floats:
-        own = self._matrix is not None and self._ranks.comm.rank == self._owner
-        product = np.ascontiguousarray(self._matrix @ y) if own else np.empty_like(y, order="C")
-        return self._ranks.sent(product, self._owner)
+    @classmethod
+    def of(cls, dofs: BodyDofs, motions: int, known: Indices | None) -> SharedDofs:
+        """The same of a body that this rank holds.
 
-    def gathered(self) -> scipy.sparse.csr_matrix:
-        """The matrix, on every rank."""
-        return self._ranks.gather(self._matrix)[self._owner]
+        motions: the number of its rigid ones; known: the degrees of freedom that other ranks know, None for all.
+        """
+        moved = dofs.rigid_displacements(np.eye(motions))
+        told = moved[[] if known is None else known]
+        return cls(load_sizes(dofs), dofs.prescribed, dofs.load_size, moved.T @ dofs.load, told)
+
+    def rigid_displacements(self, coefficients: Floats) -> Floats:
+        """The displacements (dofs, n) of rigid motions given by coefficients (motions, n)."""
+        return self.motions @ coefficients
 
 
-def as_matrix(operator: Any) -> Operator:
-    """The matrix of an operator; one that a single rank holds is sent to all."""
-    if isinstance(operator, SpectralStiffness):
-        return operator.toarray()
-    return operator.gathered() if isinstance(operator, CollectiveOperator) else operator
+def load_sizes(dofs: Any) -> Floats:
+    """The sizes of all loads on a body, of those that are no eigenstrains, and of these, on what is not prescribed."""
+    if isinstance(dofs, SharedDofs):
+        return dofs.sizes
+    strains = eigenstrain_load(dofs)
+    if strains is None:
+        size = _norm(dofs.free_forces(dofs.load))
+        return np.array([size, size, 0.0])
+    return np.array([_norm(dofs.free_forces(each)) for each in (dofs.load, dofs.load - strains, strains)])
+
+
+def eigenstrain_load(dofs: Any) -> Floats | None:
+    """The part (dofs,) of the loads of a body that eigenstrains are; None without any, as on a body of one's own."""
+    released = getattr(dofs, "released", None)
+    return None if released is None else released[0]
+
+
+def work_of_loads(dofs: Any, coefficients: Floats) -> Floats:
+    """The work of a body's loads on rigid motions given by coefficients (all motions, n), (n,)."""
+    if isinstance(dofs, SharedDofs):
+        return coefficients.T @ dofs.work
+    return dofs.rigid_displacements(coefficients).T @ dofs.load
+
+
+def _norm(vector: Floats) -> float:
+    return float(np.sqrt(vector @ vector))
 
 
 @dataclass(frozen=True)
 class SharedProblem:
-    """The part of a local problem that is sent to the other ranks.
+    """The part of a local problem that is sent to the other ranks, of the size of its contacts but for vectors.
 
     Attributes:
-        kept: The unknowns of the admissible space that are its unknowns, None for all.
-        stiffness: S of a condensed problem, None where all ranks apply the stiffness together.
-        load, constant: See `LocalProblem`.
-        modes, coefficients, springs: Of the rigid motions, None where every rank finds them itself.
+        dofs: What is told of all degrees of freedom.
+        load, constant, factor_free: See `LocalProblem`.
+        motions: The rigid motions' unknowns, coefficients and forces of springs; these None where there are none.
         stiffness_scale: The largest stiffness of the unknowns.
-        factor_free: See `LocalProblem`.
+        traces: The trace, offset and Robin trace of every `ContactTrace`.
+        nodal: The nodal trace and its offset.
     """
 
-    kept: Indices | None
-    stiffness: Floats | None
+    dofs: SharedDofs
     load: Floats
     constant: float
-    motions: tuple[Floats, Floats, Floats] | None
-    stiffness_scale: float
     factor_free: bool
+    motions: tuple[Floats, Floats, Floats | None]
+    stiffness_scale: float
+    traces: Sequence[tuple[Operator, Floats, Operator]]
+    nodal: tuple[scipy.sparse.csr_matrix, Floats]
 
     @classmethod
-    def of(cls, problem: Any) -> SharedProblem:
-        """The shared part of the problem of a meshed body."""
-        rigid = problem.rigid
-        if isinstance(problem, CondensedProblem):
-            motions = rigid.modes, rigid.owners[0].coefficients, rigid.springs
-            condensed = problem.kept, problem.stiffness, problem.load, problem.constant, motions
-            return cls(*condensed, rigid.stiffness_scale, problem.factor_free)
-        return cls(None, None, problem.load, problem.constant, None, rigid.stiffness_scale, problem.factor_free)
+    def of(cls, problem: LocalProblem, known: Indices | None) -> SharedProblem:
+        """The shared part of a problem that this rank holds; known: see `SharedDofs.of`."""
+        rigid, coefficients = problem.rigid, problem.rigid.owners[0].coefficients
+        return cls(
+            SharedDofs.of(problem.dofs, len(coefficients), known),
+            problem.load,
+            problem.constant,
+            problem.factor_free,
+            (rigid.modes, coefficients, rigid.springs if np.any(rigid.springs) else None),
+            rigid.stiffness_scale,
+            [(each.trace, each.offset, each.robin_trace) for each in problem.traces],
+            (problem.nodal_trace, problem.nodal_offset),
+        )
 
 
 class RemoteProblem:
-    """A local problem that another rank holds: gaps, forces and energies can be found from it, solves cannot."""
+    """A local problem that another rank holds: gaps and contact forces can be found from it, all else is its owner's.
 
-    def __init__(self, task: LocalTask, shared: SharedProblem, owner: int, ranks: Ranks) -> None:
-        self.name, self.length, self.dofs = task.body.name, task.body.mesh.size, task.discrete
-        self.factor_free, self.kept = shared.factor_free, shared.kept
-        self.load, self.constant = shared.load, shared.constant
-        self.traces = contact_traces(task.sides, self.dofs.space, self.kept)
-        modes, coefficients, springs = shared.motions or (*self.dofs.motions, self.dofs.spring_forces)
-        kinematics, scale = task.body.kinematics, shared.stiffness_scale
-        self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, scale)
-        if shared.stiffness is None:
-            self.stiffness: Operator = CollectiveOperator(ranks, owner, size=self.dofs.space.size)
-            self._system: DenseSystem | None = None
-        else:
-            self.stiffness = shared.stiffness
-            self._system = DenseSystem(self.name, shared.stiffness, self.traces, self.rigid)
+    Args:
+        body: The body as this rank knows it.
+        sides: Its sides of the scene's interfaces, each with the interface's index.
+        shared: What its owner tells.
+        known: The places of the body's degrees of freedom among those that its owner tells of, None if it is whole.
+    """
 
-    def refreshed(self, dofs: Any) -> NoReturn:
-        raise NotImplementedError("a remote problem is received anew from its owner")
+    dofs: Any  # `SharedDofs`: what asks for more than those is done by the owner
+
+    def __init__(
+        self,
+        body: Body,
+        sides: Sequence[tuple[int, InterfaceSide]],
+        shared: SharedProblem,
+        known: Indices | None,
+    ) -> None:
+        self.name, self.length = body.name, body.mesh.size
+        motions = body.rigid_modes() if known is None else shared.dofs.motions[known]
+        self.dofs = replace(shared.dofs, motions=motions)
+        self.load, self.constant, self.factor_free = shared.load, shared.constant, shared.factor_free
+        self.nodal_trace, self.nodal_offset = shared.nodal
+        told = zip(sides, shared.traces, strict=True)
+        self.traces = [ContactTrace(index, side, *parts) for (index, side), parts in told]
+        scale = shared.stiffness_scale
+        modes, coefficients, told_springs = shared.motions
+        springs = np.broadcast_to(0.0, modes.shape) if told_springs is None else told_springs
+        self.rigid = rigid_motions(self.name, body.kinematics, self.traces, modes, coefficients, springs, scale)
 
     @property
     def size(self) -> int:
         return len(self.load)
 
     @property
-    def nodal_trace(self) -> scipy.sparse.csr_matrix:
-        trace = self.dofs.space.columns(nodal_operator(self.traces))
-        return trace if self.kept is None else trace[:, self.kept]
+    def stiffness(self) -> Operator:
+        raise self._elsewhere()
 
-    @property
-    def nodal_offset(self) -> Floats:
-        return self.dofs.space.prescribed(nodal_operator(self.traces))
+    def refreshed(self, dofs: Any) -> NoReturn:
+        raise NotImplementedError("a remote problem is received anew from its owner")
 
     def correct(self, phi: Mapping[int, Floats], residual: Floats, scale: float) -> Floats:
         raise self._elsewhere()
@@ -128,16 +166,13 @@ class RemoteProblem:
         raise self._elsewhere()
 
     def restrict(self, u: Floats) -> Floats:
-        y = self.dofs.restrict(u)
-        return y if self.kept is None else y[self.kept]
+        raise self._elsewhere()
 
     def displacement(self, y: Floats) -> Floats:
         raise self._elsewhere()
 
-    def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> Floats | None:
-        if self.kept is None:
-            return operator @ self.dofs.displacement(y)
-        return seen_from(self.dofs, self.kept, y, operator)
+    def seen(self, y: Floats, operator: scipy.sparse.csr_matrix) -> None:
+        return None
 
     def fields(self, y: Floats, deformation: Floats) -> Fields:
         raise self._elsewhere()

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import scipy
 from mpi4py import MPI
 
-from ..base.arrays import Floats, Operator
+from ..base.arrays import Floats
 from ..interface.discretise import InterfaceSide
-
-
-def _alone(matrix: scipy.sparse.csr_matrix) -> Operator:
-    """The operator of a single rank: the matrix itself."""
-    return matrix
 
 
 @dataclass(frozen=True)
@@ -30,7 +24,7 @@ class LocalTask:
         comm: The ranks that make the problem together, each of which is given the same task.
         original: The local problem, of the same kind, of the body that this one copies; None if it is no copy.
         signs: (dim,) the ±1 between the components of the original's displacements and this body's.
-        collective: From the stiffness matrix that this rank holds to the operator that all ranks apply together.
+        crowded: Whether there are so many bodies that nothing is kept which is mostly zeros or seldom asked for.
     """
 
     body: Any
@@ -39,4 +33,4 @@ class LocalTask:
     comm: MPI.Comm = field(default_factory=lambda: MPI.COMM_SELF)
     original: Any = None
     signs: Floats = field(default_factory=lambda: np.ones(0))
-    collective: Callable[[scipy.sparse.csr_matrix], Operator] = field(default_factory=lambda: _alone)
+    crowded: bool = False

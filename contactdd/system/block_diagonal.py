@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 
 from ..base.arrays import Floats, Integers, Operator, slices
+from ..base.ranks import Ranks
 
 
 @dataclass(frozen=True)
@@ -43,6 +44,21 @@ class BlockDiagonal:
         entries = np.concatenate([data for data, _, _ in parts])
         shape = (self.rows[-1].stop, self.parts[-1].stop)
         return scipy.sparse.csr_matrix((entries, np.concatenate(columns), starts), shape=shape)
+
+
+@dataclass(frozen=True)
+class OwnedBlocks:
+    """Square matrices along a diagonal, each of which is applied by the rank that holds its body, for all. Collective.
+
+    block: gives the matrix of a body that this rank holds; parts: the slice of a vector that each is applied to.
+    """
+
+    ranks: Ranks
+    block: Callable[[int], Operator]
+    parts: Sequence[slice]
+
+    def __matmul__(self, y: Floats) -> Floats:
+        return np.concatenate(self.ranks.each(lambda index: self.block(index) @ y[self.parts[index]]))
 
 
 def _entries(block: Operator) -> tuple[Floats, Integers, Integers]:

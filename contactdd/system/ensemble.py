@@ -14,12 +14,16 @@ import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Operator, slices
-from ..base.sparse import along_diagonal, stacked
+from ..base.ranks import Ranks
+from ..base.sparse import along_diagonal
+from ..base.spectral import SpectralStiffness
 from ..interface.discretise import Interface
 from ..layer import Layer
 from ..local.problem import ContactTrace, LocalProblem
+from ..local.remote import load_sizes
 from ..local.rigid import RigidMotions
-from .block_diagonal import BlockDiagonal
+from ..local.stiffness import SelectedStiffness
+from .block_diagonal import BlockDiagonal, OwnedBlocks
 from .joint_motions import ManyMotions, joint_motions
 from .state import State
 
@@ -65,25 +69,27 @@ class Ensemble:
     """The bodies' problems and the contacts between them, in the unknowns y of all bodies one after another.
 
     parts: the slice of each body's unknowns in y; points: the slice of each interface's points among all of them;
-    weights: (points,) areas; size: the number of unknowns; load: (unknowns,), load_size its norm; dense: True if every
-    body's stiffness is dense and the total is at most LARGEST_DENSE; stiffness: of all bodies, dense then;
-    normal_approach: (points, unknowns) the operator from y to u_αn + u_βn, dense then where its products are cheap.
+    weights: (points,) areas; size: the number of unknowns; load: (unknowns,), load_size its norm; dense: True on one
+    rank if every body's stiffness is dense and the total is at most LARGEST_DENSE; stiffness: of all bodies, dense
+    then, on several ranks each body's where it is held; normal_approach: (points, unknowns) the operator from y to
+    u_αn + u_βn, dense then where its products are cheap.
     """
 
-    def __init__(self, problems: Sequence[LocalProblem], interfaces: Sequence[Interface]) -> None:
+    def __init__(
+        self, problems: Sequence[LocalProblem], interfaces: Sequence[Interface], ranks: Ranks | None = None
+    ) -> None:
         self.problems, self.interfaces = problems, interfaces
+        self._apart = None if ranks is None or ranks.alone else ranks
         self.parts = slices(problem.size for problem in problems)
         self.points = slices(len(interface.weights) for interface in interfaces)
         self.size = self.parts[-1].stop
         self.weights = np.concatenate([interface.weights for interface in interfaces])
         self.load = np.concatenate([problem.load for problem in problems])
-        self.load_size = _size(problems, [problem.dofs.load for problem in problems])
-        strains = [eigenstrain_load(problem.dofs) for problem in problems]
-        self._acting_size, self._straining_size = self.load_size, 0.0
-        if any(each is not None for each in strains):
-            self._set_apart(strains)
-        self.dense = self.size <= LARGEST_DENSE and all(isinstance(p.stiffness, np.ndarray) for p in problems)
-        self.stiffness = self._along_diagonal([problem.stiffness for problem in problems])
+        sizes = np.array([load_sizes(problem.dofs) for problem in problems])
+        self.load_size, self._acting_size, self._straining_size = np.sqrt((sizes**2).sum(axis=0)).tolist()
+        small = self._apart is None and self.size <= LARGEST_DENSE
+        self.dense = small and all(isinstance(p.stiffness, np.ndarray) for p in problems)
+        self.stiffness = self._stiffness()
         self.normal_approach = self._normal_approach()
         self._onto_unknowns = self.normal_approach.T
         self._initial_gaps = self._undeformed_gaps()
@@ -95,12 +101,28 @@ class Ensemble:
         self._springs: Any = self._along_diagonal([each.springs for each in motions]) if self._sprung else None
         self._constant = sum(problem.constant for problem in problems)
 
-    def _set_apart(self, strains: Sequence[Floats | None]) -> None:
-        """Set the sizes of the loads of eigenstrains, and of all others."""
-        loads = [problem.dofs.load for problem in self.problems]
-        parts = [np.zeros_like(load) if s is None else s for load, s in zip(loads, strains, strict=True)]
-        self._straining_size = _size(self.problems, parts)
-        self._acting_size = _size(self.problems, [load - part for load, part in zip(loads, parts, strict=True)])
+    def _stiffness(self) -> Operator | BlockDiagonal | OwnedBlocks:
+        """The stiffness of all bodies."""
+        if self._apart is None:
+            return self._along_diagonal([problem.stiffness for problem in self.problems])
+        return OwnedBlocks(self._apart, self._block, self.parts)
+
+    def _block(self, body_index: int) -> Operator:
+        """The stiffness of a body that this rank holds."""
+        return self.problems[body_index].stiffness
+
+    def stiffness_matrix(self) -> scipy.sparse.csr_matrix:
+        """The stiffness of all bodies as one sparse matrix, on every rank."""
+        bodies = range(len(self.problems))
+        each = [self._matrix(body) for body in bodies] if self._apart is None else self._apart.each(self._matrix)
+        return BlockDiagonal(each).tocsr()
+
+    def _matrix(self, body_index: int) -> Operator:
+        """The stiffness of a body that this rank holds, as a matrix."""
+        stiffness: Any = self._block(body_index)
+        if isinstance(stiffness, SpectralStiffness):
+            return stiffness.toarray()
+        return stiffness.matrix if isinstance(stiffness, SelectedStiffness) else stiffness
 
     @cached_property
     def rigid(self) -> RigidMotions | ManyMotions:
@@ -192,9 +214,12 @@ class Ensemble:
 
         phi: the coefficient at the points of each interface; y: (unknowns,) or (unknowns, n).
         """
-        approach = self.normal_approach @ y
-        at_points = (self.weights * self.at_all_points(phi) * approach.T).T
-        return self.elastic_forces(y, self.deformation(y)) + self._onto_unknowns @ at_points
+        return self.elastic_forces(y, self.deformation(y)) + self.contact_forces(phi, y)
+
+    def contact_forces(self, phi: Mapping[int, Floats], y: Any) -> Any:
+        """The contacts' part of `tangent`; y may be sparse."""
+        weighted = scipy.sparse.diags(self.weights * self.at_all_points(phi))
+        return self._onto_unknowns @ (weighted @ (self.normal_approach @ y))
 
     def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
         """A coefficient given by interface, at all points."""
@@ -211,9 +236,12 @@ class Ensemble:
 
     @cached_property
     def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
-        """From y to every body's u_n at the points of its contacts, the prescribed part, and where each body begins."""
-        traces = [stacked([port.trace for port in problem.traces]) for problem in self.problems]
+        """The same, or its dense form, the prescribed part, and where each body begins."""
         offsets = [np.concatenate([port.offset for port in problem.traces]) for problem in self.problems]
+        ports = [port for problem in self.problems for port in problem.traces]
+        if not self.dense or not all(isinstance(port.trace, np.ndarray) for port in ports):
+            return self._stacked_traces, np.concatenate(offsets), _starts(offsets)
+        traces = [np.vstack([port.trace for port in problem.traces]) for problem in self.problems]
         return self._along_diagonal(traces), np.concatenate(offsets), _starts(offsets)
 
     @cached_property
@@ -237,11 +265,22 @@ class Ensemble:
             for part, port in ports:
                 total[self.points[port.interface], part] += port.trace
             return total
-        traces = [scipy.sparse.coo_matrix(port.trace) for _, port in ports]
-        rows = [self.points[port.interface].start + t.row for (_, port), t in zip(ports, traces, strict=True)]
-        columns = [part.start + t.col for (part, _), t in zip(ports, traces, strict=True)]
-        entries = (np.concatenate([t.data for t in traces]), (np.concatenate(rows), np.concatenate(columns)))
-        return scipy.sparse.csr_matrix(entries, shape=shape)
+        parts = [self.points[port.interface] for _, port in ports]
+        points = np.concatenate([np.arange(part.start, part.stop) for part in parts])
+        entries = np.ones(len(points)), (points, np.arange(len(points)))
+        approach = scipy.sparse.csr_matrix(entries, shape=(shape[0], len(points))) @ self._stacked_traces
+        approach.sort_indices()
+        return approach
+
+    @cached_property
+    def _stacked_traces(self) -> scipy.sparse.csr_matrix:
+        """From y to every body's u_n at the points of its contacts, but for the prescribed part."""
+        pairs = zip(self.parts, self.problems, strict=True)
+        traces = [(part.start, scipy.sparse.csr_matrix(port.trace)) for part, p in pairs for port in p.traces]
+        starts = np.cumsum(np.concatenate([[0], *(np.diff(trace.indptr) for _, trace in traces)]))
+        columns = np.concatenate([start + trace.indices for start, trace in traces])
+        entries = (np.concatenate([trace.data for _, trace in traces]), columns, starts)
+        return scipy.sparse.csr_matrix(entries, shape=(len(starts) - 1, self.size))
 
     def _full_product(self, shape: tuple[int, int], ports: Sequence[ContactTrace]) -> bool:
         """Whether the contacts' term is best a product of full matrices: not where its map is quicker, and small."""
@@ -262,17 +301,6 @@ class Ensemble:
             for port in problem.traces:
                 gaps[self.points[port.interface]] -= port.offset
         return gaps
-
-
-def eigenstrain_load(dofs: Any) -> Floats | None:
-    """The part (dofs,) of the loads of a body that eigenstrains are; None without any, as on a body of one's own."""
-    released = getattr(dofs, "released", None)
-    return None if released is None else released[0]
-
-
-def _size(problems: Sequence[LocalProblem], loads: Sequence[Floats]) -> float:
-    """The size of forces (dofs,) of every body on what is not prescribed."""
-    return math.sqrt(sum(norm(p.dofs.free_forces(each)) ** 2 for p, each in zip(problems, loads, strict=True)))
 
 
 def joined(parts: Sequence[Floats]) -> Floats:

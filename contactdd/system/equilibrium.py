@@ -17,6 +17,7 @@ from ..base.sparse import stacked
 from ..errors import LooseBodyError
 from ..interface.discretise import Interface, discretise
 from ..layer import LinearLayer
+from ..local.remote import work_of_loads
 from .ensemble import Ensemble
 from .joint_motions import Coupling, joint_rows, least_squares
 
@@ -135,10 +136,8 @@ def _near_edges(ensemble: Ensemble, interface: Interface) -> Coupling:
 
 def _work_of_loads(ensemble: Ensemble) -> Floats:
     """The work of the loads on the bodies' free rigid motions, (motions,); stresses and what is prescribed do none."""
-    parts = []
-    for problem, owner in zip(ensemble.problems, ensemble.rigid.owners, strict=True):
-        parts.append(problem.dofs.rigid_displacements(owner.coefficients).T @ problem.dofs.load)
-    return np.concatenate(parts)
+    pairs = zip(ensemble.problems, ensemble.rigid.owners, strict=True)
+    return np.concatenate([work_of_loads(problem.dofs, owner.coefficients) for problem, owner in pairs])
 
 
 def _least_motion(work: Floats, closes: scipy.sparse.csr_matrix, motion: Floats) -> Floats:

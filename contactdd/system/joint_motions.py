@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 
 from ..base.arrays import TINY, Floats, Indices, Operator, slices
 from ..base.null_space import NullSpace, Rows, compressed, null_space
+from ..base.ranks import Ranks
 from ..base.sparse import along_diagonal
 from ..errors import LooseBodyError
 from ..local.factor import Factor
 from ..local.problem import LocalProblem, Solver
-from ..local.rigid import Resistance, RigidMotions, loose_body, select_fixing_dofs
+from ..local.rigid import Owner, Resistance, RigidMotions, loose_body, select_fixing_dofs
 from .block_diagonal import BlockDiagonal
 
 #: Motions up to which dense algebra is quicker.
@@ -106,33 +107,45 @@ def _sparse(couplings: Sequence[Coupling], parts: Sequence[slice]) -> scipy.spar
 
 
 def settled(
-    problems: Sequence[LocalProblem], motions: RigidMotions | ManyMotions, displacements: Sequence[Floats]
-) -> Sequence[Floats]:
-    """The bodies' displacements (dofs,), of all that differ by unresisted motions the smallest."""
+    problems: Sequence[LocalProblem],
+    motions: RigidMotions | ManyMotions,
+    displacements: Mapping[int, Floats],
+    ranks: Ranks,
+) -> dict[int, Floats]:
+    """The displacements (dofs,) of the bodies that this rank holds, of all that differ by unresisted motions the
+    smallest. Collective."""
     if motions.count == 0 or motions.unresisted.shape[1] == 0:
-        return displacements
-    moves = _moves(problems, motions)
-    values = np.concatenate(displacements)
-    if isinstance(moves, np.ndarray):
-        drift = np.linalg.lstsq(moves, values, rcond=None)[0]
-    else:
-        drift = least_squares(moves, np.ones(len(values)), moves.T @ values)
-    return [values[part] - moves[part] @ drift for part in slices(map(len, displacements))]
+        return dict(displacements)
+    parts = motions.by_owner(motions.unresisted)
+    moves = {index: _moves(problems[index], motions.owners[index], parts[index]) for index in displacements}
 
+    def reduced(index: int) -> tuple[Indices, Floats]:
+        """A body's part of the least squares in as few rows as it has columns: the motions, and the displacement."""
+        there, moved = moves[index]
+        return there, np.asarray(np.linalg.qr(np.column_stack([moved, displacements[index]]), mode="r"))
 
-def _moves(problems: Sequence[LocalProblem], motions: RigidMotions | ManyMotions) -> Operator:
-    """The displacements of the unresisted motions, (dofs of all bodies, unresisted)."""
-    of_bodies = zip(problems, motions.owners, motions.by_owner(motions.unresisted), strict=True)
+    rows, count = ranks.each(reduced), motions.unresisted.shape[1]
+    of_motions = [_spread(there, triangle[:, :-1], count) for there, triangle in rows]
+    values = np.concatenate([triangle[:, -1] for _, triangle in rows])
     if isinstance(motions, RigidMotions):
-        return np.vstack([p.dofs.rigid_displacements(owner.coefficients @ part) for p, owner, part in of_bodies])
-    moves = []
-    for problem, owner, part in of_bodies:
-        there = np.unique(part.indices)  # of many motions few move a body
-        moved = problem.dofs.rigid_displacements(owner.coefficients @ part[:, there].toarray())
-        at = np.indices(moved.shape)
-        entries = (moved.ravel(), (at[0].ravel(), there[at[1].ravel()]))
-        moves.append(scipy.sparse.csr_matrix(entries, shape=(len(moved), part.shape[1])))
-    return scipy.sparse.vstack(moves).tocsr()
+        drift = np.linalg.lstsq(scipy.sparse.vstack(of_motions).toarray(), values, rcond=None)[0]
+    else:
+        matrix = scipy.sparse.vstack(of_motions).tocsr()
+        drift = least_squares(matrix, np.ones(len(values)), matrix.T @ values)
+    return {index: u - moves[index][1] @ drift[moves[index][0]] for index, u in displacements.items()}
+
+
+def _moves(problem: LocalProblem, owner: Owner, part: Operator) -> tuple[Indices, Floats]:
+    """The unresisted motions that move a body, and its displacements in them, (dofs, motions)."""
+    part = scipy.sparse.csr_matrix(part)
+    there = np.unique(part.indices)  # of many motions few move a body
+    return there, problem.dofs.rigid_displacements(owner.coefficients @ part[:, there].toarray())
+
+
+def _spread(there: Indices, columns: Floats, count: int) -> scipy.sparse.csr_matrix:
+    """Columns (rows, n) at their places among `count`."""
+    ends = np.arange(len(columns) + 1) * len(there)
+    return scipy.sparse.csr_matrix((columns.ravel(), np.tile(there, len(columns)), ends), shape=(len(columns), count))
 
 
 class ManyMotions:

@@ -62,8 +62,8 @@ def _agree(one: Any, other: Any) -> bool:
 def _told(scene: Scene, settings: Mapping[str, Any]) -> Iterator[Told]:
     for name, value in settings.items():
         yield name, _plain(value)
-    for body in scene.bodies:
-        for label, told in _of_body(body):
+    for index, body in enumerate(scene.bodies):
+        for label, told in () if index in scene.known_dofs else _of_body(body):
             yield f"body {body.name!r}, {label}", told
     for contact, interface in zip(scene.contacts, scene.interfaces, strict=True):
         yield f"contact {contact.name!r}, points", _measure(np.hstack([interface.x, interface.weights[:, None]]))

@@ -29,18 +29,20 @@ SECANTS = 2
 Given = float | Callable[[Floats], Floats]
 
 
-def from_displacements(ensemble: Ensemble, displacements: Callable[[str], Floats]) -> State:
+def from_displacements(ensemble: Ensemble, ranks: Ranks, displacements: Callable[[str], Floats]) -> State:
     """The iterate with the displacements (dofs,) of the same bodies, by their names, such as those of a solution."""
-    parts = []
-    for problem in ensemble.problems:
+
+    def of(index: int) -> Floats:
+        problem = ensemble.problems[index]
         displacement = displacements(problem.name)
         if len(displacement) != len(problem.dofs.load):
             raise ValueError(
                 f"start = a solution: its body {problem.name!r} has {len(displacement)} displacement components; "
                 f"expected {len(problem.dofs.load)}"
             )
-        parts.append(problem.restrict(displacement))
-    return _state(ensemble, parts)
+        return problem.restrict(displacement)
+
+    return _state(ensemble, ranks.each(of))
 
 
 def with_multipliers(state: State, ensemble: Ensemble, multipliers: list[Floats]) -> State:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,16 +22,19 @@ VERTEX = 1
 
 @dataclass(frozen=True)
 class Fields:
-    """The results of a solution for files: its bodies, and of each contact its name, its points and the surfaces."""
+    """The results of a solution for files: its bodies, and of each contact its name, its points and the surfaces.
 
-    bodies: Sequence[BodyResult]
+    bodies: by name, None for one that another rank writes; contacts: empty where another rank writes them.
+    """
+
+    bodies: Mapping[str, BodyResult | None]
     contacts: Sequence[tuple[str, ContactResult, Surfaces]]
 
-    def grids(self) -> dict[str, Grid]:
+    def grids(self) -> dict[str, Grid | None]:
         """The grids by the names of their files, which are unlike also where small and large letters are the same."""
-        names: dict[str, Grid] = {}
-        for body in self.bodies:
-            names[_unused(file_name(body.name), names)] = _body(body)
+        names: dict[str, Grid | None] = {}
+        for name, body in self.bodies.items():
+            names[_unused(file_name(name), names)] = None if body is None else _body(body)
         for name, points, surfaces in self.contacts:
             stem = file_name(name)
             names[_unused(f"{stem} points", names)] = _points(points)
@@ -43,27 +46,31 @@ class Fields:
 def export(fields: Fields, folder: Path) -> list[Path]:
     """The .vtu files written into a folder, which is made if missing, and contacts.xdmf."""
     folder.mkdir(parents=True, exist_ok=True)
-    written = [grid.write(folder / f"{name}.vtu") for name, grid in fields.grids().items()]
+    written = [grid.write(folder / f"{name}.vtu") for name, grid in fields.grids().items() if grid is not None]
     surfaces = [surface for *_, sides in fields.contacts for surface in filter(None, sides)]
-    return [*written, write_surfaces(folder / "contacts.xdmf", surfaces)]
+    return [*written, *([write_surfaces(folder / "contacts.xdmf", surfaces)] if fields.contacts else [])]
 
 
 def export_series(steps: Sequence[tuple[Callable[[], Fields], ArrayLike]], folder: Path, name: str) -> list[Path]:
     """The files written of the steps of a load programme, each with its parameter's value: the .pvd file first.
 
     The fields of a step are made when it is written, so that those of one only are kept at a time. Time is the number
-    of the step, since loads may come back.
+    of the step, since loads may come back. The .pvd file is written by the rank that writes the contacts.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    entries, written = [], []
-    for number, (fields, value) in enumerate(steps, 1):
-        for part, (stem, grid) in enumerate(fields().grids().items()):
+    entries, written, first = [], [], False
+    for number, (made, value) in enumerate(steps, 1):
+        fields = made()
+        first = bool(fields.contacts)
+        for part, (stem, grid) in enumerate(fields.grids().items()):
             file = f"{stem}.{number:04d}.vtu"
+            entries.append(SeriesEntry(float(number), part, stem, file))
+            if grid is None:
+                continue
             told = {"step": np.array([number]), "parameter": np.ravel(np.asarray(value, dtype=float))}
             marked = Grid(grid.points, grid.cells, grid.cell_type, grid.point_data, grid.cell_data, told)
             written.append(marked.write(folder / file))
-            entries.append(SeriesEntry(float(number), part, stem, file))
-    return [write_series(folder / f"{file_name(name)}.pvd", entries), *written]
+    return [*([write_series(folder / f"{file_name(name)}.pvd", entries)] if first else []), *written]
 
 
 def file_name(name: str) -> str:
@@ -73,7 +80,7 @@ def file_name(name: str) -> str:
     return f"_{safe}" if reserved or not safe else safe[:120]
 
 
-def _unused(name: str, names: dict[str, Grid]) -> str:
+def _unused(name: str, names: Mapping[str, Grid | None]) -> str:
     """The name, with a number where another one would be the same file."""
     taken = {other.casefold() for other in names}
     choices = [name, *(f"{name} {number}" for number in range(2, len(taken) + 3))]

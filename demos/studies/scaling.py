@@ -150,7 +150,7 @@ def estimate(rows: list[dict[str, Any]]) -> dict[str, float]:
     """What 1e9 unknowns would take: solid bodies of the largest size measured, one per core.
 
     A core's time is that of one body here times what the number of bodies adds to the solves per body, fitted to the
-    stacks; passing normal displacements between cores is left out, a body's surface being small beside its inside.
+    stacks. Of the memory it is what the body's owner has: what every rank keeps of all unknowns, ranks.py measures.
     """
     largest = max((row for row in rows if row["kind"] == "space"), key=lambda row: row["unknowns"])
     stacks = [row for row in rows if row["kind"] == "bodies" and row["method"] == "newton-krylov"]
@@ -169,7 +169,8 @@ def estimate(rows: list[dict[str, Any]]) -> dict[str, float]:
 def print_estimate(numbers: dict[str, float]) -> None:
     print(
         f"\non paper: 1e9 unknowns, {numbers['cores']:.0f} solid bodies, one per core: about {numbers['seconds']:.0f} "
-        f"s and {numbers['gigabytes_per_core']:.1f} GB per core (solves per body grow {numbers['growth']:.1f} times)"
+        f"s and {numbers['gigabytes_per_core']:.1f} GB per core for its own body (solves per body grow "
+        f"{numbers['growth']:.1f} times); what every rank keeps of all unknowns is in docs/benchmarks.md"
     )
 
 

@@ -16,8 +16,8 @@
 # for $\gamma \le 1$; one after the other (alternating, $\gamma = 1$) the rate is $\varrho^2$.
 
 # %%
+import matplotlib.pyplot as plt
 import numpy as np
-from matplotlib.figure import Figure
 
 import contactdd as cd
 
@@ -53,8 +53,7 @@ for name, (history, rate, theory) in runs.items():
 # their own. Residuals over the solves of single bodies, which is what an iteration costs:
 
 # %%
-figure = Figure(figsize=(6, 3.6), layout="constrained")
-axes = figure.subplots()
+figure, axes = plt.subplots(figsize=(6, 3.6), layout="constrained")
 for (name, (history, _, _)), colour in zip(
     runs.items(), ("#0072B2", "#009E73", "#E69F00", "#D55E00", "k"), strict=True
 ):
@@ -62,4 +61,3 @@ for (name, (history, _, _)), colour in zip(
 axes.set(xlabel="solves of single bodies", ylabel="relative residual")
 axes.legend(frameon=False)
 figure.savefig("rates.png", dpi=120)
-figure
