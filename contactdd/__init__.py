@@ -80,6 +80,7 @@ if TYPE_CHECKING:
     from .scene_file import SceneFile, SceneFileError, read_scene_file
     from .shapes import Cone, Cylinder, FlatPunch, LevelSet, Plane, Profile, Shape, Sphere
     from .shapes.faceted import FacetedSurface
+    from .surface_heights import SurfaceHeights
 
 #: Where that is which most scenes don't use, imported when first asked for: layer laws, bodies without a mesh and their
 #: shapes, files, saved solutions, adaptation.
@@ -119,6 +120,7 @@ _LATER = {
     "SeriesLayer": "layers.series",
     "Shape": "shapes",
     "Sphere": "shapes",
+    "SurfaceHeights": "surface_heights",
     "TableLayer": "layers.table",
     "ThermalStrain": "eigenstrain",
     "VaryingLayer": "layers.varying",
@@ -222,6 +224,7 @@ __all__ = [
     "Sphere",
     "Spring",
     "StepFailedError",
+    "SurfaceHeights",
     "SurfaceResult",
     "Symmetry",
     "TableLayer",

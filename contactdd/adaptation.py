@@ -9,25 +9,20 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from dolfinx import fem
 
-from .base.arrays import Floats, Integers
 from .base.checks import as_count, check_choice, positive
 from .body import Body
-from .error_estimate import ErrorEstimate, cell_energies, error_estimate
+from .error_estimate import ErrorEstimate, error_estimate
 from .errors import ContactWarning
-from .interface.surface import ContactSurface
 from .meshless import MeshlessBody
+from .remeshing import planned, remade
 from .scene import Scene
 from .solution import Solution
 from .solve import solve
 
-#: What part of the error of the pressure the refined cells carry: of what the displacement's error in cells does to it,
-#: and of its square on the contacts' own facets. Smaller parts save a few cells and cost more rounds.
-INFLUENCE_SHARE, PRESSURE_SHARE = 0.7, 0.3
-
-#: Errors that differ by less are alike: bodies that are copies of each other stay so, and are condensed once.
-ALIKE = 1e-6
+#: The residual that is left to a solve, as a part of the wanted error: digits that meshes do not have are not paid for.
+#: Pressures were off by less than a thousandth of their error then. Residuals below ROUNDING are not to be had.
+DIGITS, ROUNDING = 1e-3, 1e-10
 
 #: The error has to fall below this part of its value within so many rounds, or it does not fall any more.
 FALLING, PATIENCE = 0.9, 4
@@ -43,6 +38,7 @@ class Round:
         error: The estimated relative error of the contact pressure in L².
         energy_error: The estimated relative error of the energy.
         cpu_seconds: The CPU time since the start, with all rounds before (s).
+        solve_seconds: The CPU time of the solve on this mesh alone, without its estimate (s).
     """
 
     unknowns: int
@@ -50,6 +46,7 @@ class Round:
     error: float
     energy_error: float
     cpu_seconds: float
+    solve_seconds: float
 
 
 @dataclass(frozen=True)
@@ -104,9 +101,12 @@ def adapt(
     Starts with the scene's own meshes, which should show every contact by a few facets, and refines them where the
     estimated error of p comes from: a cell's part is the energy norm of the displacement's error there times that of
     the error of its influence, the displacement z of `Solution.influence` for that error of p; and cells at facets with
-    a large error. Far cells count little, whatever their own error is.
-    Each solve starts from the one before. Names of surfaces, materials, supports and loads stay; the scene itself is
-    left as it is.
+    a large error. Far cells count little, whatever their own error is. Meshes of straight plane triangles are smoothed
+    then: nodes move and edges flip until cells have the sizes that make them equally important, with a node at every
+    edge of contact from degree 2 on. Nodes of the first meshes' outline stay, but those of contact surfaces, unless the
+    layer is far stiffer than the elements. Other meshes are halved only, and each solve starts from the one before.
+    Residuals are made smaller than the wanted accuracy by three digits. Names of surfaces, materials, supports and
+    loads stay; the scene itself is left as it is.
 
     Args:
         scene: With meshes of triangles or tetrahedra, in elements of any degree.
@@ -175,19 +175,21 @@ class _Limits:
 
 def _refined_until(scene: Scene, limits: _Limits, options: dict[str, Any]) -> tuple[ErrorEstimate, list[Round], str]:
     """The last estimate, all rounds and the status."""
-    ranks, rounds = scene.ranks, list[Round]()
+    ranks, rounds, first = scene.ranks, list[Round](), scene
+    tolerance = max(ROUNDING, DIGITS * limits.accuracy)
     began, cpu, start = time.monotonic(), time.process_time(), None
     while True:
-        estimate = error_estimate(solve(scene, start=start, **options))
+        estimate = error_estimate(solve(scene, start=start, **{"tolerance": tolerance, **options}), tolerance=tolerance)
         rounds.append(_round(estimate, time.process_time() - cpu))
         status = ranks.agree(limits.ending(rounds, time.monotonic() - began))
         if status:
             return estimate, rounds, status
         # What is decided by rounding is decided once: all ranks have the same meshes.
-        scene = scene.refined(ranks.agree(_marked(estimate)))
+        plan = ranks.agree(planned(estimate, limits.accuracy))
+        scene = remade(scene, plan, first)
         if _unknowns(scene) > limits.unknowns:
             return estimate, rounds, "unknowns limit"
-        start = estimate.better
+        start = None if plan.sizes else estimate.better  # nothing is carried over to nodes that have moved
 
 
 def _refuse_what_stays(body: Body | MeshlessBody) -> None:
@@ -198,9 +200,10 @@ def _refuse_what_stays(body: Body | MeshlessBody) -> None:
 
 
 def _round(estimate: ErrorEstimate, seconds: float) -> Round:
-    scene = estimate.solution.scene
+    solution, scene = estimate.solution, estimate.solution.scene
     cells = {body.name: body.mesh.cells for body in scene.bodies if body.mesh is not None}
-    return Round(_unknowns(scene), cells, estimate.pressure.relative, estimate.energy.relative, seconds)
+    errors = estimate.pressure.relative, estimate.energy.relative
+    return Round(_unknowns(scene), cells, *errors, seconds, solution.cpu_seconds)
 
 
 def _unknowns(scene: Scene) -> int:
@@ -212,77 +215,3 @@ def _stalled(rounds: Sequence[Round]) -> bool:
     if len(rounds) <= PATIENCE:
         return False
     return min(each.error for each in rounds[-PATIENCE:]) > FALLING * rounds[-PATIENCE - 1].error
-
-
-def _marked(estimate: ErrorEstimate) -> dict[str, Integers]:
-    """The cells of every body to be refined."""
-    bodies = estimate.solution.scene.bodies
-    chosen: list[set[int]] = [set() for _ in bodies]
-    facets = _facet_errors(estimate)
-    for (place, cell), keep in zip(facets, _largest(list(facets.values()), PRESSURE_SHARE), strict=True):
-        if keep:
-            chosen[place].add(cell)
-    influences = _cell_influences(estimate)
-    kept = _largest(np.concatenate(influences), INFLUENCE_SHARE)
-    for place, part in enumerate(np.split(kept, np.cumsum([len(each) for each in influences])[:-1])):
-        chosen[place].update(int(cell) for cell in np.flatnonzero(part))
-    return {body.name: np.array(sorted(cells)) for body, cells in zip(bodies, chosen, strict=True) if cells}
-
-
-def _largest(values: Sequence[float] | Floats, share: float) -> Any:
-    """Which values (n,) are the fewest that make up a share of their sum, and others like the least of them."""
-    array = np.asarray(values, dtype=float)
-    order = np.argsort(-array, kind="stable")
-    before = np.concatenate([[0.0], np.cumsum(array[order])[:-1]])
-    kept = np.zeros(len(array), dtype=bool)
-    kept[order] = (before < share * array.sum()) & (array[order] > 0.0)
-    return kept | (array >= (1 - ALIKE) * array[kept].min(initial=np.inf))
-
-
-def _facet_errors(estimate: ErrorEstimate) -> dict[tuple[int, int], float]:
-    """∫ (p − p_better)² over the facets of both sides of all contacts, by body and cell."""
-    found: dict[tuple[int, int], float] = {}
-    for interface, contact in zip(estimate.solution.interfaces, estimate.contacts, strict=True):
-        for side in interface.sides:
-            surface = side.surface
-            if not isinstance(surface, ContactSurface):
-                continue
-            squares = surface.weights * (side.transfer @ contact.pressure_error**2)
-            for cell, error in zip(surface.entities[:, 0], squares.reshape(len(surface.facets), -1), strict=True):
-                key = side.body, int(cell)
-                found[key] = found.get(key, 0.0) + float(error.sum())
-    return found
-
-
-def _cell_influences(estimate: ErrorEstimate) -> list[Floats]:
-    """‖e‖ ‖z − I z‖ in the energy norm over every cell of every body, (cells,) each, empty for one without a mesh.
-
-    e is the displacement's estimated error, z its influence on ∫ (p − p_better)² and I z that in the solution's own
-    elements: those that they can show cause no error.
-    """
-    better, bodies = estimate.better, estimate.solution.scene.bodies
-    influences = better.influence(_errors_at_better_points(estimate))
-    found: list[Floats] = []
-    for own, body, z in zip(bodies, better.scene.bodies, influences, strict=True):
-        if body.mesh is None:
-            found.append(np.zeros(0))
-            continue
-        error = estimate.displacement_error(body.name).x.array
-        energies = cell_energies(body, [error, z - _shown(z, body, own)])
-        found.append(np.sqrt(energies[0] * energies[1]))
-    return found
-
-
-def _shown(z: Floats, body: Body, own: Body) -> Floats:
-    """A displacement (dofs,) of a body as the elements of a lower degree show it."""
-    whole, shown, again = (fem.Function(each.space) for each in (body, own, body))
-    whole.x.array[:] = z
-    shown.interpolate(whole)
-    again.interpolate(shown)
-    return again.x.array
-
-
-def _errors_at_better_points(estimate: ErrorEstimate) -> list[Floats]:
-    """p − p_better at the points of the better solution's contacts."""
-    contacts = zip(estimate.better.interfaces, estimate.contacts, strict=True)
-    return [estimate.solution.contact_at(interface)[1] - contact.better.pressure for interface, contact in contacts]

@@ -72,6 +72,11 @@ class BodyResult:
     cell_stress: Floats
     fits: tuple[SurfaceFit, ...] = ()
 
+    def __repr__(self) -> str:
+        size = f"{len(self.points)} nodes, {len(self.cells)} cells, {self.kinematics}"
+        moved, stressed = np.linalg.norm(self.displacement, axis=1).max(), self.von_mises.max()
+        return f"BodyResult({self.name!r}, {size}, displacement up to {moved:.6g}, von Mises up to {stressed:.6g})"
+
     @property
     def dim(self) -> int:
         """The dimension of the coordinates, 2 or 3."""

@@ -32,7 +32,7 @@ class Contact:
             where the gap is the layer's clearance, 0 for most: all gaps of a solution count from there.
         gap: d(x), the initial gap in addition to the distance of the two meshes (length), negative for an interference:
             a number, a `Parameter` or a function of the coordinates x (dim, points) of the contact's points, midway
-            between the surfaces where their meshes do not match.
+            between the surfaces where their meshes do not match; of a rough surface its `SurfaceHeights`.
         measure_gap: Whether the distance of the two meshes counts: where they do not match, that of the smooth surfaces
             behind their facets. False ignores it and takes `gap` alone: for surfaces that coincide in reality but not
             as straight facets.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from .base.arrays import TINY, Floats
 from .base.checks import as_floats
 from .base.polyline import Polyline, polyline
-from .base.table import frame, vector_columns, write_csv
+from .base.scattered import scattered
+from .base.table import frame, html_table, vector_columns, write_csv
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,10 @@ class NodalPressure:
     values: Floats
     at_points: Floats
     stiffness_ratio: float = 0.0
+
+    def __repr__(self) -> str:
+        low, high = self.values.min(), self.values.max()
+        return f"NodalPressure({len(self.values)} nodes, {low:.6g} to {high:.6g}, k h/E = {self.stiffness_ratio:.3g})"
 
 
 def closed_points(gap: Floats, pressure: Floats, hard: bool, bonded: bool) -> NDArray[np.bool_]:
@@ -409,8 +414,6 @@ class ContactResult:
 
     def _across(self, points: Floats, values: dict[str, Floats]) -> dict[str, Floats]:
         """Values interpolated over a surface in space, seen along its mean normal; the nearest beyond its points."""
-        from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
-
         mean = self.weights @ self.normal
         mean /= max(float(np.linalg.norm(mean)), TINY)
         if np.min(self.normal @ mean) < 0.1:
@@ -418,7 +421,12 @@ class ContactResult:
                 "points: the contact surface bends back over itself; expected one that a plane shows whole"
             )
         axes = np.linalg.svd(mean[None])[2][1:]
-        seen, wanted, stacked = self.x @ axes.T, points @ axes.T, np.stack(list(values.values()), axis=1)
-        inside = LinearNDInterpolator(seen, stacked)(wanted)
-        result = np.where(np.isnan(inside), NearestNDInterpolator(seen, stacked)(wanted), inside)
-        return dict(zip(values, result.T, strict=True))
+        found = scattered(self.x @ axes.T, np.stack(list(values.values()), axis=1), points @ axes.T)
+        return dict(zip(values, found.T, strict=True))
+
+
+def contacts_html(contacts: Mapping[str, ContactResult]) -> str:
+    """The numbers of contacts by name, in a notebook."""
+    head = ("contact", "peak pressure", "force", "area in contact")
+    rows = ((n, f"{r.peak_pressure:.6g}", f"{r.force:.6g}", f"{r.area:.6g}") for n, r in contacts.items())
+    return html_table(head, rows)

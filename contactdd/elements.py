@@ -71,7 +71,14 @@ class Elements:
         return self.degree + 2
 
     def isometry_from(self, other: Elements) -> Isometry | None:
-        """The motion or mirror image that takes other elements, numbered alike, to these; None if there is none."""
+        """The motion or mirror image that takes other elements, numbered alike, to these; None if there is none.
+
+        Their meshes have to have the same named surfaces.
+        """
+        return self.nodes_isometry_from(other) if self.mesh.same_surfaces(other.mesh) else None
+
+    def nodes_isometry_from(self, other: Elements) -> Isometry | None:
+        """The same, whatever surfaces are named."""
         if other not in self._isometries:
             self._isometries[other] = self._found_isometry(other)
         return self._isometries[other]
@@ -79,7 +86,7 @@ class Elements:
     def _found_isometry(self, other: Elements) -> Isometry | None:
         if self.degree != other.degree or self.kinematics is not other.kinematics:
             return None
-        isometry = self.mesh.isometry_from(other.mesh)
+        isometry = self.mesh.nodes_isometry_from(other.mesh)
         return isometry if isometry is not None and self._numbered_as(other) else None
 
     def _numbered_as(self, other: Elements) -> bool:

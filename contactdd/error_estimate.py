@@ -264,7 +264,7 @@ class ErrorEstimate:
         return "\n  ".join(lines)
 
 
-def error_estimate(solution: Solution, *, degrees: int | None = None) -> ErrorEstimate:
+def error_estimate(solution: Solution, *, degrees: int | None = None, tolerance: float = 1e-10) -> ErrorEstimate:
     """The estimated error of a solution: its difference from one in elements of a higher degree.
 
     The meshes, materials, supports, loads and contacts are the same; the better solve starts from the solution. It may
@@ -278,6 +278,8 @@ def error_estimate(solution: Solution, *, degrees: int | None = None) -> ErrorEs
         degrees: The number of degrees by which the elements of the better solution are higher; by default one for
             elements of degree 1 and 2, two for others, where contact that ends within a cell lets one degree gain
             little.
+        tolerance: The bound of the better solve's residual (no unit), as of `solve`; a thousandth of the error that is
+            looked for does.
 
     Raises:
         TypeError, ValueError: It is no solution, elements of a degree so high do not exist, or elements of degree 2
@@ -306,7 +308,7 @@ def error_estimate(solution: Solution, *, degrees: int | None = None) -> ErrorEs
         _doubt_nodal_pressure(solution, index)
     with solution.scene.at(solution.parameter_values):
         scene = _raised(solution, higher)
-        better = solve(scene, start=solution, local_solver=solution.local_solver, progress=False)
+        better = solve(scene, start=solution, local_solver=solution.local_solver, tolerance=tolerance, progress=False)
         contacts = tuple(_compared(solution, better, index) for index in range(len(scene.contacts)))
     return ErrorEstimate(solution, better, contacts, time.process_time() - began)
 

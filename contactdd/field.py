@@ -28,6 +28,9 @@ Field: TypeAlias = (
     | ParameterField
 )
 
+#: How far into a cell a function is looked at for a jump, in sizes of the cell, and what is one, in largest values.
+NUDGE, JUMP = 1e-10, 1e-3
+
 
 def check_field(name: str, value: Any, vector: bool = False) -> None:
     """Raise unless `value` is a number, a callable or a UFL expression (a vector of them if `vector`)."""
@@ -54,7 +57,8 @@ def coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, .
     """`value` as a UFL coefficient of the given shape on `domain`.
 
     Numbers become `fem.Constant`s, so that another value never compiles another form. Functions take coordinates
-    x (3, points) as dolfinx's do and are interpolated by polynomials of `degree`. Of a parameter, its present value.
+    x (3, points) as dolfinx's do and are interpolated by polynomials of `degree` in each cell; where cells meet they
+    may jump. Of a parameter, its present value.
     """
     return _coefficient(name, value, domain, shape, ("Discontinuous Lagrange", degree, shape))
 
@@ -77,12 +81,27 @@ def _coefficient(name: str, value: Field, domain: dmesh.Mesh, shape: tuple[int, 
     if callable(value):
         function = fem.Function(fem.functionspace(domain, element))
         size = math.prod(shape)  # dolfinx takes tensors row by row
-        function.interpolate(lambda x: evaluate(name, value, x, shape).reshape(size, -1))
+        cells = cell_count(domain)
+        function.interpolate(lambda x: one_sided(name, value, x, shape, cells).reshape(size, -1))
         return function
     array = as_floats(name, value, f"finite values of shape {shape}")
     if array.shape != shape or not np.all(np.isfinite(array)):
         raise ValueError(f"{name} = {value!r}: expected finite values of shape {shape}")
     return fem.Constant(domain, array if shape else float(array))
+
+
+def cell_count(domain: dmesh.Mesh) -> int:
+    """The number of cells on this rank, ghosts too."""
+    cells = domain.topology.index_map(domain.topology.dim)
+    return cells.size_local + cells.num_ghosts
+
+
+def one_sided(name: str, value: Field, x: np.ndarray, shape: tuple[int, ...], cells: int) -> np.ndarray:
+    """`value` at points x (3, n) that stand cell by cell: where it jumps, the values that it has inside each cell."""
+    nodes = x.reshape(3, cells, -1)
+    inside = nodes + NUDGE * (nodes.mean(axis=2, keepdims=True) - nodes)
+    there, near = (evaluate(name, value, each.reshape(3, -1), shape) for each in (nodes, inside))
+    return np.where(np.abs(near - there) > JUMP * np.abs(there).max(initial=0.0), near, there)
 
 
 def refuse_other_mesh(name: str, value: Any, domain: dmesh.Mesh) -> None:

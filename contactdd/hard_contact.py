@@ -31,7 +31,8 @@ class HardContact:
     Given in place of a layer. The pressure is a linear field on the nodes of one surface (`quadrature="mortar"`, which
     such a contact always has), found by an augmented Lagrangian; the weighted gap at each node is zero to a millionth
     of the compression of a layer as stiff as the elements under that pressure. The remaining penetration is in
-    `ContactResult.penetration` and in the history's notes.
+    `ContactResult.penetration` and in the history's notes. The places of a `PeriodicHalfSpace` are
+    held and let go instead, until none overlaps and none pulls.
 
     Args:
         penalty: The penalty k over the bodies' surface stiffness E/h (no unit), by default 30, and 0.3 with decomposed

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import astuple, dataclass, fields
-from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .base.table import frame, write_csv
+from .base.checks import check_choice
+from .base.table import frame, html_table, write_csv
 
 
 @dataclass(frozen=True)
@@ -105,16 +105,32 @@ class History:
         """
         return write_csv(path, self.columns())
 
-    def plot(self, *, quantity: str = "residual", path: str | os.PathLike[str] | None = None) -> Any:
+    def plot(
+        self,
+        *,
+        quantity: str = "residual",
+        name: str = "",
+        beside: Mapping[str, History] | None = None,
+        path: str | os.PathLike[str] | None = None,
+    ) -> Any:
         """A matplotlib figure of how the run converged, with the fitted rate.
 
         Args:
             quantity: "residual" or "change".
+            name: The run's name in the legend.
+            beside: {name: `History`} of other runs, drawn beside it.
             path: The path of a file to save the figure in, too.
+
+        Raises:
+            ValueError: The quantity is another, or two runs have one name.
         """
         from .view.convergence_plot import plot_convergence
 
-        return plot_convergence({"": getattr(self, quantity)}, quantity=quantity, path=path)
+        check_choice("quantity", quantity, ("residual", "change"))
+        if name in (beside or {}):
+            raise ValueError(f"name = {name!r}: another run is called so; expected a name of its own")
+        runs = {name: self, **(beside or {})}
+        return plot_convergence({run: getattr(runs[run], quantity) for run in runs}, quantity, path=path)
 
     def table(self, last: int | None = None) -> str:
         """The iterations as text.
@@ -130,9 +146,7 @@ class History:
         return f"History of {len(self)} iterations\n{self.table(last=10)}"
 
     def _repr_html_(self) -> str:
-        cells = [[f"<td>{escape(_cell(value))}</td>" for value in astuple(row)] for row in self._records]
-        head = "".join(f"<th>{name}</th>" for name in COLUMNS)
-        return f"<table><tr>{head}</tr>{''.join('<tr>' + ''.join(row) + '</tr>' for row in cells)}</table>"
+        return html_table(COLUMNS, ([_cell(value) for value in astuple(row)] for row in self._records))
 
 
 def _cell(value: float | str) -> str:

@@ -157,11 +157,13 @@ def sampled(expression: Any, cells: NDArray[np.int32]) -> Callable[[Floats], Flo
     """The function of points x (3, points) in given cells (points,) that a UFL expression is."""
 
     def values(x: Floats) -> Floats:
-        if isinstance(expression, ufl.constantvalue.ScalarValue | ufl.constantvalue.Zero):  # what UFL found to be one
-            return np.full((*expression.ufl_shape, x.shape[1]), float(expression))
+        shape = expression.ufl_shape
+        if not ufl.domain.extract_domains(expression):  # made of numbers alone, or what UFL found to be one
+            numbers = [float(expression((), component=place)) for place in np.ndindex(*shape)]
+            return np.broadcast_to(np.reshape(numbers, (*shape, 1)), (*shape, x.shape[1]))
         function = expression if isinstance(expression, fem.Function) else _interpolated(expression)
         found = function.eval(x.T, cells)
-        return np.moveaxis(found.reshape(x.shape[1], *expression.ufl_shape), 0, -1)
+        return np.moveaxis(found.reshape(x.shape[1], *shape), 0, -1)
 
     return values
 

@@ -17,7 +17,7 @@ from .base.arrays import Floats, Integers
 from .base.checks import as_count, as_floats, check_choice, finite, listed
 from .base.conformity import hanging_nodes, pieces, ring_edges
 from .base.facets import facet_corners, facet_entities, facet_nodes
-from .base.isometry import Isometry, isometry_between, reflection, translation
+from .base.isometry import Isometry, isometry_between, reflection, rounded, translation
 from .base.refinement import Split, split
 
 Marker = Callable[[NDArray[np.float64]], NDArray[np.bool_]]
@@ -261,11 +261,31 @@ class Mesh:
         Args:
             other: The mesh of which this one may be an image.
         """
-        if not (self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)):
-            return None
+        return self.nodes_isometry_from(other) if self.same_surfaces(other) else None
+
+    def same_surfaces(self, other: Mesh) -> bool:
+        """Whether another mesh, of cells numbered alike, has the same named surfaces.
+
+        Args:
+            other: The mesh.
+        """
+        return self.surfaces is other.surfaces or _same_surfaces(self.surfaces, other.surfaces)
+
+    def nodes_isometry_from(self, other: Mesh) -> Isometry | None:
+        """The same as `isometry_from`, whatever surfaces are named.
+
+        Args:
+            other: The mesh of which this one may be an image.
+        """
         if not self._same_cells(other):
             return None
         return isometry_between(other.domain.geometry.x[:, : self.dim], self.domain.geometry.x[:, : self.dim])
+
+    @cached_property
+    def fingerprint(self) -> int:
+        """A number that all copies of the mesh share, moved or mirrored, and other meshes hardly."""
+        x = self.domain.geometry.x[:, : self.dim]
+        return hash((self.cells, x.shape, rounded(np.abs(x - x[0]), self.size)))
 
     def _same_cells(self, other: Mesh) -> bool:
         """Whether both have the same cells, numbered alike, between nodes that may lie elsewhere."""

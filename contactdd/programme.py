@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from .base.arrays import Floats
 from .base.checks import as_bool, check_choice
-from .base.table import frame, numbered_columns, write_csv
+from .base.table import frame, html_table, numbered_columns, write_csv
 from .body_result import BodyResult
 from .contact import Contact
 from .errors import ContactError, NotConvergedError
@@ -22,6 +23,9 @@ from .scene import Scene
 from .solution import Solution
 from .solve import solve
 from .system.start import Given
+
+#: What a picture calls a step.
+LABEL = "step {step}: {value}"
 
 
 @dataclass
@@ -100,11 +104,12 @@ class LoadPath:
         steps = [(solution._exported, value) for solution, value in zip(self._kept(), self.values, strict=True)]
         return self.solutions[0].scene.ranks.once(lambda: export_series(steps, Path(folder), name))
 
-    def plot_contact(self, contact: str | int | Contact = 0, **options: Any) -> Any:
+    def plot_contact(self, contact: str | int | Contact = 0, *, label: str = LABEL, **options: Any) -> Any:
         """A matplotlib figure of a contact's pressure in every step, of plane bodies.
 
         Args:
             contact: Its name, its index in the scene or the `Contact`.
+            label: The name of each step, a text with {step} and {value}, such as "q = {value} MPa".
             options: `along`, `path`, `stress_unit`, `length_unit`, as of `Solution.plot_contact`.
 
         Raises:
@@ -112,34 +117,37 @@ class LoadPath:
         """
         from .view.path_plot import plot_steps
 
-        return plot_steps([solution.contact(contact) for solution in self._kept()], self._labels(), **options)
+        return plot_steps([solution.contact(contact) for solution in self._kept()], self._labels(label), **options)
 
-    def plot_bodies(self, **options: Any) -> Any:
-        """A matplotlib figure of the bodies of all steps beside each other, drawn alike.
+    def plot_bodies(self, *, label: str = LABEL, **options: Any) -> Any:
+        """A matplotlib figure of the bodies of all steps beside each other, drawn alike, with one bar.
 
         Args:
-            options: `columns`, `path`, and those of `Solution.plot_bodies`.
+            label: The name of each step, a text with {step} and {value}.
+            options: `columns`, and those of `Solution.plot_bodies` but `title`.
 
         Raises:
             ValueError: The path kept no solutions.
         """
         from .view.path_plot import plot_multiples
 
-        return plot_multiples(self._bodies(), self._labels(), **options)
+        return plot_multiples(self._bodies(), self._labels(label), **options)
 
-    def animate(self, path: str | os.PathLike[str], **options: Any) -> Path:
-        """The GIF written, one frame a step.
+    def animate(self, path: str | os.PathLike[str], *, label: str = LABEL, **options: Any) -> Path:
+        """The GIF or MP4 written, one frame a step.
 
         Args:
-            path: The path of the file, which ends in .gif.
-            options: `per_second`, and those of `Solution.plot_bodies`.
+            path: The path of the file, which ends in .gif or .mp4.
+            label: The name of each step, a text with {step} and {value}.
+            options: `per_second`, and those of `Solution.plot_bodies` but `title` and `path`.
 
         Raises:
-            ValueError: The path kept no solutions.
+            ValueError: The path kept no solutions, or the file ends otherwise.
+            RuntimeError: An MP4 needs ffmpeg, which is not there.
         """
         from .view.path_plot import animate
 
-        return animate(self._bodies(), self._labels(), path, **options)
+        return animate(self._bodies(), self._labels(label), path, **options)
 
     def _kept(self) -> list[Solution]:
         """The solutions of the steps."""
@@ -150,10 +158,10 @@ class LoadPath:
     def _bodies(self) -> list[list[BodyResult]]:
         return [[solution.body(body) for body in solution._with_mesh()] for solution in self._kept()]
 
-    def _labels(self) -> list[str]:
-        """Each step's number and the parameter's value."""
+    def _labels(self, label: str) -> list[str]:
+        """The names of all steps."""
         values = [", ".join(f"{number:g}" for number in np.ravel(value)) for value in self.values]
-        return [f"step {number}: {value}" for number, value in enumerate(values, 1)]
+        return [label.format(step=step, value=value) for step, value in enumerate(values, 1)]
 
     def __len__(self) -> int:
         return len(self.values)
@@ -161,6 +169,11 @@ class LoadPath:
     def __repr__(self) -> str:
         names = ", ".join(self.records) or "nothing"
         return f"LoadPath of {len(self)} steps: {self.status} ({self.reason}); recorded: {names}"
+
+    def _repr_html_(self) -> str:
+        columns = {name: values for name, values in self.columns().items() if len(values) == len(self)}
+        rows = ([f"{value:.6g}" for value in row] for row in zip(*columns.values(), strict=True))
+        return f"<p><b>{escape(self.status)}</b>: {escape(self.reason)}</p>{html_table(columns, rows)}"
 
 
 class StepFailedError(ContactError):

@@ -33,15 +33,19 @@ class Sampling:
     """The relation between the values of a contact and its integration points.
 
     mean: (values, points) the weighted means; weights: (values,) areas; spread: (points, values) from values to points;
-    nodes: (values,) the indices of the nodes that carry them, gathered: (nodes, values) the value of each node;
-    None where values belong to points or segments.
+    both matrices are None where the values are those at the points; nodes: (values,) the indices of the nodes that
+    carry them, gathered: (nodes, values) the value of each node; None where values belong to points or segments.
     """
 
-    mean: scipy.sparse.csr_matrix
+    mean: scipy.sparse.csr_matrix | None
     weights: Floats
-    spread: scipy.sparse.csr_matrix
+    spread: scipy.sparse.csr_matrix | None
     nodes: Indices | None = None
     gathered: scipy.sparse.csr_matrix | None = None
+
+    def means(self, rows: Any) -> Any:
+        """The values of rows (points, ...) of an array or a sparse matrix."""
+        return rows if self.mean is None else self.mean @ rows
 
 
 @dataclass(frozen=True)
@@ -136,8 +140,7 @@ class GaussQuadrature(Quadrature):
         return basix.ufl.quadrature_element(cell_name, degree=self.degree)
 
     def sampling(self, weights: Floats, segment: Indices, hats: Callable[[], scipy.sparse.csr_matrix]) -> Sampling:
-        same = scipy.sparse.eye(len(weights), format="csr")
-        return Sampling(same, weights, same)
+        return Sampling(None, weights, None)
 
 
 class MortarQuadrature(GaussQuadrature):

@@ -59,7 +59,10 @@ def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
     """The shift of a body's nodes x (n, dim) in pictures so that its contact surface fits."""
     from scipy.spatial import cKDTree
 
-    nearest = cKDTree(interface.x).query(x)[1]
+    away, around = cKDTree(interface.x).query(x, k=range(1, 1 + min(x.shape[1], len(interface.x))))
+    shares = 1.0 / (away + TINY)  # of the points on both sides of a node, or around it, so that surfaces stay smooth
+    shares /= shares.sum(axis=1, keepdims=True)
+    nearest = around[:, 0]
     normal = interface.normal[nearest]
     depth = np.sum((interface.x[nearest] - x) * normal, axis=1)
     fade = 1.0 - np.clip(depth / max(float(depth.max()), TINY), 0.0, 1.0)
@@ -67,7 +70,8 @@ def _fit(interface: Interface, gap: Floats, x: Floats) -> SurfaceFit:
     if np.any(interface.prescribed_gap):
         above = x + depth[:, None] * normal  # on the contact, where the gap is given
         shape = evaluate("gap", interface.contact.gap, above.T)
-    return SurfaceFit(fade, normal, shape, interface.geometric_gap[nearest], gap[nearest])
+    measured, deformed = (np.sum(shares * values[around], axis=1) for values in (interface.geometric_gap, gap))
+    return SurfaceFit(fade, normal, shape, measured, deformed)
 
 
 def surface_result(

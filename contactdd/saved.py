@@ -7,6 +7,7 @@ import os
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
+from html import escape
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -15,7 +16,7 @@ from numpy.typing import NDArray
 
 from .base.arrays import Floats
 from .body_result import BodyResult, SurfaceFit
-from .contact_result import ContactResult, NodalPressure
+from .contact_result import ContactResult, NodalPressure, contacts_html
 from .history import History, Record
 from .surface_result import SurfaceResult, Surfaces
 
@@ -130,8 +131,7 @@ class SavedSolution:
         """
         from .view.contact_plot import plot_contact
 
-        surfaces = self.surfaces[self._name(contact)]
-        return plot_contact(self.contact(contact), next(filter(None, surfaces), None), **options)
+        return plot_contact(self.contact(contact), self.surfaces[self._name(contact)], **options)
 
     def plot_bodies(self, bodies: Sequence[str] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, see `Solution.plot_bodies`.
@@ -158,6 +158,10 @@ class SavedSolution:
     def __repr__(self) -> str:
         lines = [f"SavedSolution by {self.method!r}: {self.status} ({self.reason})"]
         return "\n  ".join(lines + [f"{name}: {result!r}" for name, result in self.contacts.items()])
+
+    def _repr_html_(self) -> str:
+        ending = f"<p><b>{escape(self.status)}</b>: {escape(self.reason)} ({escape(self.method)})</p>"
+        return ending + contacts_html(self.contacts)
 
     def _name(self, contact: str | int) -> str:
         for index, name in enumerate(self.contacts):

@@ -20,7 +20,8 @@ from .body import Body
 from .coefficient_value import CoefficientValue, coefficient_values
 from .contact import Contact
 from .hard_contact import HardContact
-from .interface.discretise import Interface, discretise
+from .interface.alike import discretise_all
+from .interface.discretise import Interface
 from .layer import Layer
 from .load import BodyLoad
 from .local.choose import LOCAL_SOLVERS, LocalSolvers
@@ -70,7 +71,8 @@ class Scene:
         self._read = self._parameter_values()
 
     def __repr__(self) -> str:
-        lines = [f"Scene of {len(self.bodies)} bodies and {len(self.contacts)} contacts"]
+        contacts = "1 contact" if len(self.contacts) == 1 else f"{len(self.contacts)} contacts"
+        lines = [f"Scene of {len(self.bodies)} bodies and {contacts}"]
         return "\n  ".join(lines + [repr(item) for item in (*self.bodies, *self.contacts)])
 
     @property
@@ -78,9 +80,8 @@ class Scene:
         """The discretised contacts, in order."""
         if self._interfaces is None:
             index = {id(body): i for i, body in enumerate(self.bodies)}
-            self._interfaces = [
-                discretise(c, (index[id(c.sides[0][0])], index[id(c.sides[1][0])])) for c in self.contacts
-            ]
+            places = [(index[id(c.sides[0][0])], index[id(c.sides[1][0])]) for c in self.contacts]
+            self._interfaces = discretise_all(self.contacts, places)
         return self._interfaces
 
     @property

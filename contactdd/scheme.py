@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -64,7 +64,7 @@ class Scheme:
     """
 
     name: str
-    coefficient: Coefficient
+    coefficient: Coefficient = field(repr=False)
     step: str
     equation: str
     accelerated: bool = False

@@ -23,7 +23,7 @@ from .base.arrays import Floats
 from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
-from .contact_result import ContactResult, NodalPressure
+from .contact_result import ContactResult, NodalPressure, contacts_html
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
@@ -484,22 +484,22 @@ class Solution:
 
         Args:
             contact: Its name (as typed, "lower-upper", too), its index in the scene or the `Contact`.
-            options: `along`, `about`, `show`, `path`, `stress_unit`, `length_unit`, see
+            options: `along`, `about`, `show`, `whole`, `path`, `stress_unit`, `length_unit`, see
                 `view.contact_plot.plot_contact`.
         """
         from .view.contact_plot import plot_contact
 
         result = self.contact(contact)
-        surfaces = self._surfaces(contact) if result.x.shape[1] == 3 else ()
-        return plot_contact(result, next(filter(None, surfaces), None), **options)
+        surfaces = self._surfaces(contact) if result.x.shape[1] == 3 else (None, None)
+        return plot_contact(result, surfaces, **options)
 
     def plot_bodies(self, bodies: Sequence[str | Body] | None = None, **options: Any) -> Any:
         """A picture of the deformed bodies, or of some, coloured by a stress.
 
         Args:
             bodies: Names of bodies or the bodies themselves; by default all that have a mesh.
-            options: `component`, `scale`, `limits`, `camera`, `zoom`, `edges`, `undeformed`, `sweep`, `unit`, `path`,
-                `size`, `title`, see `view.body_plot.plot_bodies`.
+            options: `component`, `scale`, `limits`, `camera`, `zoom`, `focus`, `edges`, `undeformed`, `sweep`, `unit`,
+                `path`, `size`, `title`, see `view.body_plot.plot_bodies` and `drawing`.
         """
         from .view.body_plot import plot_bodies
 
@@ -603,13 +603,8 @@ class Solution:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><td>{escape(c.name)}</td><td>{r.peak_pressure:.6g}</td><td>{r.force:.6g}</td><td>{r.area:.6g}</td></tr>"
-            for c, r in ((c, self.contact(c)) for c in self.scene.contacts)
-        )
-        head = "<tr><th>contact</th><th>peak pressure</th><th>force</th><th>area in contact</th></tr>"
         ending = f"<p><b>{escape(self.status)}</b>: {escape(self.reason)} ({escape(self.method)})</p>"
-        return f"{ending}<table>{head}{rows}</table>"
+        return ending + contacts_html({c.name: self.contact(c) for c in self.scene.contacts})
 
     @cached_property
     def _fields(self) -> list[Fields]:

@@ -37,6 +37,8 @@ from .system.likeness import refuse_differences
 
 if TYPE_CHECKING:
     from .interface.discretise import Interface
+    from .iteration.active_set import ActiveSetRun
+    from .iteration.pressures import Pressures
     from .layers.gasket import GasketAtPoints, GasketLayer
 
 P = ParamSpec("P")
@@ -54,6 +56,11 @@ def _by_all_ranks(function: Callable[P, Solution]) -> Callable[P, Solution]:
         scene = arguments[0] if arguments else options.get("scene")
         if not isinstance(scene, Scene):
             raise TypeError(f"scene = {scene!r}: expected a cd.Scene")
+        if "accuracy" in options:
+            raise TypeError(
+                f"accuracy = {options['accuracy']!r}: solve keeps the scene's meshes; expected "
+                "cd.adapt(scene, accuracy), which makes meshes for it"
+            )
         if scene.ranks.alone:
             return function(*arguments, **options)
         with scene.ranks.together(), interrupts_agreed(scene.ranks):
@@ -108,7 +115,7 @@ def solve(
             (nothing is factored, for large solids), a registered name, or "auto": condensed or multigrid, whichever is
             estimated to cost less; `history` notes the estimates for large solids.
         callback: A function of each iteration's `Record`; the run ends when it returns True.
-        progress: Whether a progress bar is shown, by default on a terminal or in a notebook.
+        progress: Whether a progress bar is shown after the first second, by default on a terminal or in a notebook.
         on_failure: "raise" an error, or "return" the last iterate as a solution with its status.
         checkpoint: The path of a file to keep the state in. It is written every `checkpoint_every` seconds, at the end
             and when the run is interrupted (Ctrl-C, SIGTERM) or fails. A file that is no checkpoint of the same bodies
@@ -200,14 +207,20 @@ def _begun(
     gamma: Gamma | None,
     start: starts.Given | Solution | None,
     previous: starts.Given | None,
-) -> Run | AugmentedRun:
+) -> Run | AugmentedRun | ActiveSetRun:
     """The run at its first iterate, or as a checkpoint has kept it."""
     if saved is not None:
         return Run(ensemble, scene.ranks, scheme, step, *read(saved, ensemble, scheme.name, scene.ranks))
     if isinstance(start, Solution):
         _warn_of_forgotten(scene, start)
     first = _start(ensemble, scene, scheme, gamma, start, previous)
-    return (AugmentedRun if _is_hard(scene) else Run)(ensemble, scene.ranks, scheme, step, first)
+    if not _is_hard(scene):
+        return Run(ensemble, scene.ranks, scheme, step, first)
+    if hasattr(step, "held") and (gamma is None or isinstance(gamma, str)):  # in the pressures, with nothing to relax
+        from .iteration.active_set import ActiveSetRun
+
+        return ActiveSetRun(ensemble, scene.ranks, scheme, cast("Pressures", step), first)
+    return AugmentedRun(ensemble, scene.ranks, scheme, step, first)
 
 
 def _remembering(scene: Scene, file: Path) -> Scene:

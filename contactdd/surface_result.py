@@ -54,6 +54,11 @@ class SurfaceResult:
     compression: Floats
     projected_pressure: Floats | None = None
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{np.sum(self.status == state)} {name}" for state, name in STATUS.items())
+        force = float(self.areas @ self.pressure)
+        return f"SurfaceResult({self.name!r} on {self.body!r}, {len(self.cells)} facets: {counts}; force {force:.6g})"
+
     @property
     def status(self) -> Indices:
         """The state of each facet, (f,), see `STATUS`; fractions up to 1e-6 of a facet are rounding."""
@@ -70,24 +75,22 @@ class SurfaceResult:
     def edge(self) -> Floats:
         """The edge of contact in space as line segments, (e, 2, 3) (length): where the gap is zero between facets.
 
-        The gap is taken as linear from each facet's middle, where it is the facet's mean, to its corners, where it is
-        the mean of the facets around. The surface's own rim is not part of the edge, nor has a bond any. (0, 2, dim) in
-        the plane.
+        The gap at a corner is the mean of the facets around it, and is linear in between. The surface's own rim is not
+        part of the edge, nor has a bond any. (0, 2, dim) in the plane.
         """
         outlines = self.outlines
         if outlines.shape[2] == 2 or np.all(self.closed == 1.0):
             return np.zeros((0, 2, outlines.shape[2]))
         told = ~np.isnan(self.gap)
-        outlines, middle = outlines[told], self.gap[told]
+        outlines = outlines[told]
         nodes = self.cells[told][:, : outlines.shape[1]]
         count = np.bincount(nodes.ravel(), minlength=len(self.points))
-        sums = np.bincount(nodes.ravel(), np.repeat(middle, nodes.shape[1]), minlength=len(self.points))
+        sums = np.bincount(nodes.ravel(), np.repeat(self.gap[told], nodes.shape[1]), minlength=len(self.points))
         corner = sums[nodes] / count[nodes]
         centre = np.broadcast_to(outlines.mean(axis=1)[:, None], outlines.shape)
         triangles = np.stack([centre, outlines, np.roll(outlines, -1, axis=1)], axis=2).reshape(-1, 3, 3)
-        values = np.stack(
-            [np.broadcast_to(middle[:, None], corner.shape), corner, np.roll(corner, -1, axis=1)], axis=2
-        ).reshape(-1, 3)
+        middle = np.broadcast_to(corner.mean(axis=1)[:, None], corner.shape)
+        values = np.stack([middle, corner, np.roll(corner, -1, axis=1)], axis=2).reshape(-1, 3)
         return zero_lines(triangles, values)
 
 

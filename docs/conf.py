@@ -18,6 +18,7 @@ extensions = [
     "mathml",
     "demos",
     "google",
+    "notebooks",
 ]
 exclude_patterns = ["conf.py", "extensions"]
 

@@ -301,10 +301,13 @@ SQUARE = "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n5, 2, 0\n*ELEMENT, TYPE=CPE
     [
         ("*HEADING\nnothing\n", "no elements of the plane, of revolution or of space"),
         ("*NODE\n1, 0, 0\n*ELEMENT, TYPE=B31\n1, 1, 2\n", r"no elements of the plane.*it has B31"),
-        (SQUARE + "*ELEMENT, TYPE=CPE3\n2, 2, 5, 3\n", "several kinds: 3-node triangles and 4-node quadrilaterals"),
         (
-            "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=C3D6\n1, 1, 2, 3, 4, 5, 6\n",
-            "6-node prisms, which cannot be computed with",
+            SQUARE + "*ELEMENT, TYPE=CPE6\n2, 2, 5, 3, 6, 7, 8\n",
+            "several kinds: 4-node quadrilaterals and 6-node triangles",
+        ),
+        (
+            "*NODE\n1, 0, 0, 0\n*ELEMENT, TYPE=C3D15\n" + ", ".join(map(str, range(1, 17))) + "\n",
+            "15-node prisms, which cannot be computed with",
         ),
         (SQUARE + "*SURFACE, NAME=LID\n1, S5\n", "the face 'S5' of 4-node quadrilaterals; expected S1 to S4"),
         (SQUARE + "*SURFACE, NAME=LID\n1, SPOS\n", "the face 'SPOS'"),

@@ -14,8 +14,8 @@ PACKAGE = Path(__file__).parents[1] / "contactdd"
 LEVELS = [
     ["base"],
     ["errors", "parameter", "coefficient_value"],
-    ["field", "kinematics", "layer", "quadrature", "mesh", "material"],
-    ["piecewise_material"],
+    ["field", "kinematics", "layer", "quadrature", "mesh", "material", "surface_heights"],
+    ["piecewise_material", "smoothing"],
     ["layers", "hard_contact"],
     ["files", "shapes"],
     ["body_result", "contact_result", "surface_result"],
@@ -41,6 +41,7 @@ LEVELS = [
     ["doubts"],
     ["solve"],
     ["error_estimate"],
+    ["remeshing"],
     ["adaptation", "dual"],
     ["programme"],
     ["scene_file"],

@@ -27,6 +27,11 @@ class Isometry:
         return self.signs * x + self.offset
 
     @property
+    def mirrors(self) -> bool:
+        """Whether any component is mirrored."""
+        return bool(np.any(self.signs < 0.0))
+
+    @property
     def inverse(self) -> Isometry:
         """From the images back to the points."""
         return Isometry(self.signs, -self.signs * self.offset)
@@ -58,6 +63,14 @@ def isometry_between(x: Floats, y: Floats) -> Isometry | None:
     if np.abs(there - signs * here).max() > rounding:
         return None
     return Isometry(signs, y[0] - signs * x[0])
+
+
+def rounded(lengths: Floats, size: float) -> bytes:
+    """Lengths in units of a small part of `size`, rounded: a key that their own rounding hardly changes.
+
+    The unit is not round, so that no usual length lies between two multiples.
+    """
+    return np.rint(lengths * (123456.7 / size)).astype(np.int64).tobytes()
 
 
 def turned(tensor: Floats, signs: Floats) -> Floats:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -60,6 +61,19 @@ class SpectralStiffness:
     def shifted_inverse(self, y: Floats, shift: float, stiffness: float) -> Floats:
         """(K + shift)⁻¹ y on the grid, and y / stiffness of the translation: symmetric and positive definite."""
         return self._filtered(y, np.asarray(1.0 / (self.symbol + shift), dtype=float), 1.0 / stiffness)
+
+    def flexed(self, forces: Floats) -> Floats:
+        """K⁻¹ times forces on the grid, and nothing of the translation."""
+        return self._filtered(forces, self._compliance, 0.0)
+
+    def in_series(self, y: Floats, compliance: float) -> Floats:
+        """(K⁻¹ + compliance)⁻¹ y on the grid, and nothing of the translation."""
+        return self._filtered(y, np.asarray(1.0 / (self._compliance + compliance), dtype=float), 0.0)
+
+    @cached_property
+    def _compliance(self) -> Floats:
+        """K⁻¹ of each wave."""
+        return np.asarray(1.0 / self.symbol, dtype=float)
 
     def _filtered(self, y: Floats, symbol: Floats, factor: float) -> Floats:
         """The waves of y (unknowns,) or (unknowns, n) times a symbol, the translation times a factor."""

@@ -1,10 +1,11 @@
-"""Columns of numbers as a CSV file or as a pandas frame."""
+"""Columns of numbers as a CSV file, as a pandas frame or in HTML."""
 
 from __future__ import annotations
 
 import csv
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +34,13 @@ def frame(columns: Columns) -> Any:
     except ImportError as error:
         raise ImportError("frame() needs pandas, which is not installed; to_csv() works without it") from error
     return pandas.DataFrame({name: np.asarray(column) for name, column in columns.items()})
+
+
+def html_table(head: Iterable[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table in HTML of texts that are no HTML."""
+    titles = "".join(f"<th>{escape(name)}</th>" for name in head)
+    cells = ("".join(f"<td>{escape(cell)}</td>" for cell in row) for row in rows)
+    return f"<table><tr>{titles}</tr>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>"
 
 
 def vector_columns(name: str, values: Floats) -> dict[str, Floats]:

@@ -17,6 +17,7 @@ from ..eigenstrain import ThermalStrain
 from ..files.contents import Contents
 from ..files.deck import Card, side
 from ..files.kinds import SERENDIPITY, Kind
+from ..files.simplices import simplex_of
 from ..load import BodyForce, Pressure
 from ..material import Material
 from ..mesh import Mesh
@@ -32,7 +33,8 @@ KINEMATICS = {"CPE": "plane strain", "CPS": "plane stress", "CAX": "axisymmetric
 class Part:
     """A part of a deck's mesh that shares no node with the others.
 
-    elements: their numbers; nodes: the numbers of all their nodes, sorted; kind: of all cells; name: of the body.
+    elements: their numbers; nodes: the numbers of all their nodes, sorted; kind: of all cells, or of the
+    largest where they are cut into one kind; name: of the body.
     """
 
     elements: Integers
@@ -64,12 +66,14 @@ def parts_of(model: Model, contents: Contents) -> list[Part]:
         elements = np.sort(np.array([number for number, _, _ in ours]))
         nodes = np.unique(np.concatenate([nodes for _, nodes, _ in ours]))
         kinds = {kind for _, _, kind in ours}
-        if len(kinds) > 1:
+        if len(kinds) > 1 and simplex_of(kinds) is None:
             raise ValueError(
                 f"{contents.source} has a body of {' and '.join(sorted(map(str, kinds)))}; expected one kind"
             )
         taken = {part.name for part in found}
-        found.append(Part(elements, nodes, kinds.pop(), _name(model, contents, elements, taken)))
+        found.append(
+            Part(elements, nodes, max(kinds, key=lambda kind: kind.nodes), _name(model, contents, elements, taken))
+        )
     return sorted(found, key=lambda part: int(part.elements[0]))
 
 
@@ -105,6 +109,7 @@ def body_of(model: Model, contents: Contents, part: Part, types: Mapping[int, st
 
 
 def _sections(model: Model, part: Part) -> list[Section]:
+    """The sections of a part, one where all have the same material."""
     found = [each for each in model.sections if np.any(np.isin(model.elements(each.elset), part.elements))]
     covered = [model.elements(section.elset) for section in found]
     bare = np.setdiff1d(part.elements, np.concatenate([np.zeros(0, dtype=np.int64), *covered]))
@@ -113,7 +118,7 @@ def _sections(model: Model, part: Part) -> list[Section]:
             f"{model.deck.source}: {len(bare)} of the {len(part.elements)} elements of {part.name!r}, one of them "
             f"{bare[0]}, have no *SOLID SECTION"
         )
-    return found
+    return found if len({section.material for section in found}) > 1 else found[:1]
 
 
 def _material(model: Model, section: Section) -> Material:
@@ -134,7 +139,8 @@ def _mesh(model: Model, contents: Contents, part: Part) -> Mesh:
     surfaces = dict(contents.surfaces)
     for value, faces in _pressures(model, part).items():
         rows = [_face(model, contents, number, label) for number, label in faces]
-        surfaces[_pressed(value)] = [np.array(rows)]
+        counts = {len(row) for row in rows}
+        surfaces[_pressed(value)] = [np.array([row for row in rows if len(row) == count]) for count in counts]
     bodies = {**contents.bodies, part.name: part.elements}
     return replace(contents, bodies=bodies, surfaces=surfaces).mesh(part.name)
 

@@ -1,7 +1,8 @@
 """What a deck says beside its mesh, card by card, as plain data; and the list of what is not understood.
 
 Later steps change the supports and loads of earlier ones, as programs do: what stands at the end counts, which for
-elastic bodies without friction is all that matters. Loads on one node or face within a step add up.
+elastic bodies without friction is all that matters; of amplitudes their values there. Loads on one node or face within
+a step add up.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from ..layer import Layer, LinearLayer
 from ..layers.exponential import ExponentialLayer, OverclosureLayer
 from ..layers.table import TableLayer
 from ..material import Anisotropic, Isotropic, Material, Orthotropic
+from .amplitude import Amplitude, periods_of
 
 #: Cards that change nothing of the solution: the mesh, which is read elsewhere, headings, output, increments.
 SILENT = {
@@ -56,7 +58,8 @@ class Model:
     """A deck's materials, sections, contacts, supports and loads.
 
     boundaries, forces: {(node, direction from 1): value}; pressures: {(element, face): value}; gravity: {set of
-    elements: acceleration}; initial, temperature: {node: value}; unknown: what is not understood.
+    elements: acceleration}; initial, temperature: {node: value}; periods: of the steps; unknown: what is not
+    understood.
     """
 
     deck: Deck
@@ -73,9 +76,12 @@ class Model:
     gravity: dict[str, Floats] = field(default_factory=dict)
     initial: dict[int, float] = field(default_factory=dict)
     temperature: dict[int, float] = field(default_factory=dict)
+    amplitudes: dict[str, Amplitude] = field(default_factory=dict)
+    periods: list[float] = field(default_factory=list)
     unknown: list[str] = field(default_factory=list)
     _material: str = ""
     _interaction: str = ""
+    _steps: int = 0
     _given: set[Any] = field(default_factory=set)
 
     def take(self, card: Card) -> None:
@@ -127,7 +133,7 @@ class Model:
 
 def model_of(deck: Deck, cards: Sequence[Card], program: str) -> Model:
     """The model of a deck, from all of its cards."""
-    model = Model(deck, program)
+    model = Model(deck, program, periods=periods_of(cards))
     for card in cards:
         model.take(card)
     for other in sorted(deck.others):
@@ -253,37 +259,55 @@ def _clearance(model: Model, card: Card) -> None:
 # ----------------------------------------------------------------------------------------------- supports and loads
 
 
-def _anew(model: Model, card: Card) -> None:
-    """Note what a card says of amplitudes and the like, which are not followed."""
-    for name in ("AMPLITUDE", "SUBMODEL", "USER", "TYPE", "FIXED"):
+def _amplitude(model: Model, card: Card) -> None:
+    model.expect(card, "NAME", "TIME", "DEFINITION", "VALUE", "SHIFTX", "SHIFTY")
+    if (
+        card.parameters.get("DEFINITION", "TABULAR") != "TABULAR"
+        or card.parameters.get("VALUE", "RELATIVE") != "RELATIVE"
+    ):
+        model.not_understood("AMPLITUDE, DEFINITION or VALUE")
+    shifts = [number_of(card.parameters.get(name, "0")) for name in ("SHIFTX", "SHIFTY")]
+    table = np.array(_numbers(card)).reshape(-1, 2) + shifts
+    total = card.parameters.get("TIME", "").replace(" ", "") == "TOTALTIME"
+    model.amplitudes[card.parameters["NAME"]] = Amplitude(table[:, 0], table[:, 1], total)
+
+
+def _factor(model: Model, card: Card) -> float:
+    """What a card's values are multiplied by at the end of the last step."""
+    for name in ("SUBMODEL", "USER", "TYPE", "FIXED", "TIMEDELAY"):
         if name in card.parameters and card.parameters[name] not in ("DISPLACEMENT",):
             model.not_understood(f"{card.keyword}, {name}")
+    if "AMPLITUDE" not in card.parameters:
+        return 1.0
+    if card.parameters["AMPLITUDE"] not in model.amplitudes:
+        raise ValueError(f"there is no *AMPLITUDE {card.parameters['AMPLITUDE']!r} before it")
+    return model.amplitudes[card.parameters["AMPLITUDE"]].at_end(model.periods, max(model._steps, 1) - 1)
 
 
 def _boundary(model: Model, card: Card) -> None:
-    _anew(model, card)
+    factor = _factor(model, card)
     if card.parameters.get("OP") == "NEW":
         model.boundaries.clear()
     for row in _rows(card):
         first, last = NAMED_SUPPORTS.get(row[1].upper(), (0, 0)) if len(row) > 1 else (0, 0)
         if not first:
             first, last = int(row[1]), int(row[2]) if len(row) > 2 and row[2] else int(row[1])
-        value = number_of(row[3]) if len(row) > 3 and row[3] else 0.0
+        value = factor * number_of(row[3]) if len(row) > 3 and row[3] else 0.0
         for node in model.nodes(row[0]):
             model.boundaries |= {(node, direction): value for direction in range(first, last + 1)}
 
 
 def _cload(model: Model, card: Card) -> None:
-    _anew(model, card)
+    factor = _factor(model, card)
     if card.parameters.get("OP") == "NEW":
         model.forces.clear()
     for row in _rows(card):
         for node in model.nodes(row[0]):
-            model.load(model.forces, (node, int(row[1])), number_of(row[2]))
+            model.load(model.forces, (node, int(row[1])), factor * number_of(row[2]))
 
 
 def _dload(model: Model, card: Card) -> None:
-    _anew(model, card)
+    factor = _factor(model, card)
     if card.parameters.get("OP") == "NEW":
         model.pressures.clear()
         model.gravity.clear()
@@ -291,16 +315,16 @@ def _dload(model: Model, card: Card) -> None:
         label = row[1].upper()
         if label == "GRAV":
             direction = np.array([number_of(word) for word in row[3:6]])
-            model.load(model.gravity, row[0].upper(), number_of(row[2]) * direction)
+            model.load(model.gravity, row[0].upper(), factor * number_of(row[2]) * direction)
         elif re.fullmatch(r"P\d", label):
             for element in model.elements(row[0]):
-                model.load(model.pressures, (element, "S" + label[1:]), number_of(row[2]))
+                model.load(model.pressures, (element, "S" + label[1:]), factor * number_of(row[2]))
         else:
             model.not_understood(f"DLOAD {label}")
 
 
 def _dsload(model: Model, card: Card) -> None:
-    _anew(model, card)
+    factor = _factor(model, card)
     if card.parameters.get("OP") == "NEW":  # of these alone, or of all pressures: programs differ
         model.not_understood("DSLOAD, OP")
     for name, label, value, *_ in _rows(card):
@@ -309,7 +333,7 @@ def _dsload(model: Model, card: Card) -> None:
             continue
         for entry, face in model.deck.surfaces[name.upper()]:
             for element in model.elements(entry):
-                model.load(model.pressures, (element, face), number_of(value))
+                model.load(model.pressures, (element, face), factor * number_of(value))
 
 
 def _initial(model: Model, card: Card) -> None:
@@ -321,17 +345,18 @@ def _initial(model: Model, card: Card) -> None:
 
 
 def _temperature(model: Model, card: Card) -> None:
-    for name in ("AMPLITUDE", "FILE", "USER"):
-        if name in card.parameters:
-            model.not_understood(f"TEMPERATURE, {name}")
+    if "FILE" in card.parameters:
+        model.not_understood("TEMPERATURE, FILE")
+    factor = _factor(model, card)
     if card.parameters.get("OP") == "NEW":
         model.temperature.clear()
     for row in _rows(card):
-        model.temperature |= dict.fromkeys(model.nodes(row[0]), number_of(row[1]))
+        model.temperature |= dict.fromkeys(model.nodes(row[0]), factor * number_of(row[1]))
 
 
 def _step(model: Model, card: Card) -> None:
     model._given.clear()
+    model._steps += 1
     if "NLGEOM" in card.parameters and card.parameters["NLGEOM"] != "NO":
         model.not_understood("STEP, NLGEOM")
     if "PERTURBATION" in card.parameters:
@@ -348,6 +373,7 @@ TAKERS: dict[str, Callable[[Model, Card], None]] = {
     "SURFACEBEHAVIOR": _behaviour,
     "CONTACTPAIR": _pair,
     "CLEARANCE": _clearance,
+    "AMPLITUDE": _amplitude,
     "BOUNDARY": _boundary,
     "CLOAD": _cload,
     "DLOAD": _dload,

@@ -21,10 +21,10 @@ def read_scene(path: str | Path, *, program: str = "calculix", ignore: Sequence[
 
     Read are meshes as by `read_mesh`; ``*ELASTIC`` (isotropic and orthotropic), ``*EXPANSION``, ``*DENSITY``, ``*SOLID
     SECTION``; ``*SURFACE BEHAVIOR`` (linear, exponential, tabular, hard), ``*CONTACT PAIR``, ``*CLEARANCE``;
-    ``*BOUNDARY``; ``*CLOAD``, ``*DLOAD`` (faces and gravity), ``*DSLOAD``, ``*TEMPERATURE``. The loads and supports at
-    the end of the last step count. Cells that share no node are bodies of their own, with the name of the element set
-    that they are; a contact has the names of its surfaces, "SLAVE–MASTER". Plane bodies have the deck's forces divided
-    by its thickness.
+    ``*BOUNDARY``; ``*CLOAD``, ``*DLOAD`` (faces and gravity), ``*DSLOAD``, ``*TEMPERATURE``; ``*AMPLITUDE``. The loads
+    and supports at the end of the last step count. Cells that share no node are bodies of their own, with the name of
+    the element set that they are; a contact has the names of its surfaces, "SLAVE–MASTER". Plane bodies have the deck's
+    forces divided by its thickness.
 
     Args:
         path: The path of the deck.

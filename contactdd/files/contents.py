@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from warnings import warn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,9 @@ from ..base import compat
 from ..base.arrays import Floats, Integers
 from ..base.checks import listed
 from ..base.conformity import numbered, side_corners
+from ..errors import ContactWarning
 from ..mesh import Mesh, from_arrays, inside_the_body
+from . import simplices
 from .kinds import DEGREES, SERENDIPITY, SIDES, Kind, completed
 
 
@@ -24,6 +27,10 @@ class Block:
     kind: Kind
     numbers: Integers
     nodes: Integers
+
+
+class KindError(ValueError):
+    """Cells of several kinds in a body, or of one that cannot be computed with."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +58,27 @@ class Contents:
 
         Raises ValueError where the cells cannot be computed with: before dolfinx is called, which does not check.
         """
-        kind, nodes, subdomains = self._cells(body)
+        blocks = self._blocks(body)
+        whose = "" if body is None else f" in the group {body!r}"
+        kinds = {block.kind for block in blocks}
+        simplex = simplices.simplex_of(kinds)
+        if simplex is None:
+            return self._made(blocks, whose)
+        if self.dim == 3:
+            self._check_cuts(blocks)
+        cut = self._in_triangles if self.dim == 2 else self._in_tetrahedra
+        mesh = cut._made(cut._blocks(body), whose)
+        warn(
+            f"{self.source} has {_listed(kinds)}{whose}, which are cut into {simplex}: a body here has cells of one "
+            "kind, and no prisms or pyramids",
+            ContactWarning,
+            stacklevel=3,
+        )
+        return mesh
+
+    def _made(self, blocks: Sequence[Block], whose: str) -> Mesh:
+        """The mesh of cells of one kind."""
+        kind, nodes, subdomains = self._cells(blocks, whose)
         self._check_nodes(kind, nodes)
         kind, nodes, x = completed(kind, np.searchsorted(self.numbers, nodes), self.x)
         nodes = nodes[:, compat.from_gmsh_order(*kind)]
@@ -64,8 +91,8 @@ class Contents:
         element = compat.coordinate_element(kind.shape, DEGREES[kind])
         return from_arrays(cells, x[:, : self.dim], element, surfaces, left_out, subdomains)
 
-    def _cells(self, body: str | None) -> tuple[Kind, Integers, dict[str, Integers]]:
-        """The kind and nodes of the cells of a body, each cell once, and which of them are in each group."""
+    def _blocks(self, body: str | None) -> list[Block]:
+        """The cells of a body."""
         if body is not None and body not in self.bodies:
             raise ValueError(
                 f"body = {body!r}: {self.source} has no such group of cells (it has {listed(self.bodies)})"
@@ -73,16 +100,19 @@ class Contents:
         chosen = self._chosen(body)
         wanted = [np.isin(block.numbers, chosen) for block in self.blocks]
         blocks = [
-            (each.kind, each.nodes[ours], each.numbers[ours])
+            Block(each.kind, each.numbers[ours], each.nodes[ours])
             for each, ours in zip(self.blocks, wanted, strict=True)
             if np.any(ours)
         ]
         if not blocks:
             raise ValueError(f"{self.source} has no cells of dimension {self.dim}")
-        whose = "" if body is None else f" in the group {body!r}"
-        self._check_kinds([kind for kind, _, _ in blocks], whose)
-        kind = blocks[0][0]
-        nodes, numbers = (np.concatenate([each[part] for each in blocks]) for part in (1, 2))
+        return blocks
+
+    def _cells(self, blocks: Sequence[Block], whose: str) -> tuple[Kind, Integers, dict[str, Integers]]:
+        """The kind and nodes of cells, each cell once, and which of them are in each group."""
+        self._check_kinds([block.kind for block in blocks], whose)
+        kind = blocks[0].kind
+        nodes, numbers = (np.concatenate([getattr(each, part) for each in blocks]) for part in ("nodes", "numbers"))
         # A cell in several groups is one cell, also where the file has it once for each.
         _, first, same = np.unique(np.sort(nodes, axis=1), axis=0, return_index=True, return_inverse=True)
         place = np.argsort(np.argsort(first))[same.ravel()]  # of each given cell among those kept, in the file's order
@@ -98,15 +128,74 @@ class Contents:
         return np.unique(np.concatenate(groups)) if len(groups) else np.zeros(0, dtype=np.int64)
 
     def _check_kinds(self, kinds: Sequence[Kind], whose: str) -> None:
-        names = " and ".join(sorted({str(kind) for kind in kinds}))
+        names = _listed(kinds)
         if len(set(kinds)) > 1:
-            raise ValueError(
+            raise KindError(
                 f"{self.source} has cells of several kinds{whose}: {names}; expected one kind in a body. Mesh it with "
                 "one kind, or give each a group of its own and read them as two bodies"
             )
         if kinds[0] not in DEGREES and kinds[0] not in SERENDIPITY:
             able = ", ".join(str(kind) for kind in (*DEGREES, *SERENDIPITY) if _dim(kind) == self.dim)
-            raise ValueError(f"{self.source} has {names}{whose}, which cannot be computed with; mesh it with {able}")
+            raise KindError(f"{self.source} has {names}{whose}, which cannot be computed with; mesh it with {able}")
+
+    @cached_property
+    def _in_triangles(self) -> Contents:
+        """The same contents with every quadrilateral of degree 1 or 2 cut into two triangles of its degree."""
+        blocks, x, numbers = [], self.x, self.numbers
+        for block in self.blocks:
+            for degree, kinds in simplices.QUADRILATERALS.items():
+                if block.kind in kinds:
+                    self._check_nodes(block.kind, block.nodes)
+                    _, places, x = completed(block.kind, np.searchsorted(self.numbers, block.nodes), x)
+                    numbers = np.concatenate([numbers, numbers[-1] + 1 + np.arange(len(x) - len(numbers))])
+                    block = Block(
+                        simplices.TRIANGLES[degree], np.repeat(block.numbers, 2), numbers[simplices.halves(places, x)]
+                    )
+            blocks.append(block)
+        return replace(self, numbers=numbers, x=x, blocks=blocks)
+
+    @cached_property
+    def _in_tetrahedra(self) -> Contents:
+        """The same contents with every solid cell of degree 1 cut into tetrahedra, and the groups of its sides."""
+        blocks = []
+        for block in self.blocks:
+            if block.kind in simplices.SOLIDS:
+                cells, owners = simplices.tetrahedra(block.kind, block.nodes)
+                block = Block(simplices.TETRAHEDRA, block.numbers[owners], cells)
+            blocks.append(block)
+        sides = self._sides([block for block in self.blocks if block.kind in simplices.SOLIDS])[4]
+        surfaces = {
+            name: [part for array in arrays for part in self._cut_sides(name, array, sides)]
+            for name, arrays in self.surfaces.items()
+        }
+        return replace(self, blocks=blocks, surfaces=surfaces)
+
+    def _cut_sides(self, name: str, nodes: Integers, sides: Integers) -> list[Integers]:
+        """The facets of a group, cut in two where they are among the sides of four corners."""
+        if nodes.shape[1] != 4:
+            return [nodes]
+        ours = _matches(np.sort(self._places(name, nodes), axis=1), sides)
+        return [simplices.side_halves(nodes[ours]), np.delete(nodes, ours, axis=0)]
+
+    def _check_cuts(self, blocks: Sequence[Block]) -> None:
+        """Refuse cells whose tetrahedra would lie outside them, or not meet side to side."""
+        for block in blocks:
+            self._check_nodes(block.kind, block.nodes)
+            if block.kind in simplices.SOLIDS:
+                cells, owners = simplices.tetrahedra(block.kind, block.nodes)
+                bad = simplices.turned_over(self.x[np.searchsorted(self.numbers, cells)], owners)
+                if bad:
+                    raise KindError(f"{self.source}: {bad} of the {block.kind} are too distorted to be cut")
+        sides = self._sides(blocks)
+        alone = numbered(sides[4])
+        outer = sides[4][np.bincount(alone)[alone] == 1]
+        parts = np.concatenate([np.delete(outer, corner, axis=1) for corner in range(4)])
+        bad = len(_matches(sides.get(3, parts[:0]), parts))
+        if bad:
+            raise KindError(
+                f"{self.source}: {bad} triangular sides of cells lie on a side of four corners; expected cells that "
+                "meet side to side"
+            )
 
     def _check_nodes(self, kind: Kind, nodes: Integers) -> None:
         """Refuse cells whose nodes are not there or not all different, and nodes that hang."""
@@ -216,9 +305,13 @@ class Contents:
 
     @cached_property
     def _all_sides(self) -> dict[int, Integers]:
-        """The sides of all cells by their number of corners, as places in x."""
+        """The sides of all cells, see `_sides`."""
+        return self._sides(self.blocks)
+
+    def _sides(self, blocks: Sequence[Block]) -> dict[int, Integers]:
+        """The sorted corners, as places in x, of the sides of cells by their number of corners."""
         found: dict[int, list[Integers]] = {}
-        for block in self.blocks:
+        for block in blocks:
             for side in SIDES[block.kind.shape]:
                 rows = np.searchsorted(self.numbers, block.nodes[:, side])
                 found.setdefault(len(side), []).append(np.sort(rows, axis=1))
@@ -240,6 +333,10 @@ def _matches(facets: Integers, rows: Integers) -> Integers:
         return near
     numbers = numbered(np.concatenate([facets[near], rows]))
     return near[np.isin(numbers[: len(near)], numbers[len(near) :])]
+
+
+def _listed(kinds: Iterable[Kind]) -> str:
+    return " and ".join(sorted({str(kind) for kind in kinds}))
 
 
 def _dim(kind: Kind) -> int:

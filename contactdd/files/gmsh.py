@@ -102,8 +102,10 @@ def read(path: Path, dim: int | None, script: bool, order: int, parameters: Mapp
         raise ValueError(f"path = {str(path)!r}: parameters and order are for .geo scripts; a .msh file has its own")
     import gmsh
 
+    source = f"path = {str(path)!r}: the file"
+    if not script:
+        check_physical_names(source, path.read_bytes().decode("latin-1"))
     with _session(gmsh) as own:
-        source = f"path = {str(path)!r}: the file"
         if script and not own:  # with options of the user's that may change the mesh: none for the cache
             with _run(gmsh, path, dim, order, parameters, own):
                 return contents(gmsh.model, dim, source)
@@ -111,18 +113,15 @@ def read(path: Path, dim: int | None, script: bool, order: int, parameters: Mapp
             return contents(gmsh.model, dim, source)
 
 
-def read_med(path: Path, dim: int | None) -> Contents:
-    """The nodes, cells and groups of a MED file, where gmsh was built with that library."""
-    import gmsh
+def check_physical_names(source: str, text: str) -> None:
+    """Refuse physical names of a dimension that does not exist, with which gmsh ends the interpreter.
 
-    with _session(gmsh) as own:
-        if "Med" not in gmsh.option.getString("General.BuildOptions").split():
-            raise ValueError(
-                f"path = {str(path)!r}: the format is MED file, and this gmsh was built without MED; expected another "
-                "gmsh, such as PyPI's, or the mesh as .msh, which meshio converts it to"
-            )
-        with _opened(gmsh, path, own):
-            return contents(gmsh.model, dim, f"path = {str(path)!r}: the file")
+    text: a .msh file, in which these names are readable in the binary form too.
+    """
+    for section in re.findall(r"\$PhysicalNames\s+\d+(.*?)\$EndPhysicalNames", text, re.DOTALL):
+        for dim, name in re.findall(r"^\s*(-?\d+)\s+-?\d+\s*(.*?)\s*$", section, re.MULTILINE):
+            if not 0 <= int(dim) <= 3:
+                raise ValueError(f"{source} has the physical name {name} of the dimension {dim}; expected 0 to 3")
 
 
 def meshed(path: Path, size: float, order: int, kind: str) -> Contents:

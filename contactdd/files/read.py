@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from warnings import warn
 
 from ..base.checks import as_count, positive
+from ..errors import ContactWarning
 from ..mesh import Marker, Mesh
-from .contents import Contents
+from .contents import Contents, KindError
 from .formats import format_of, refuse
 
 GMSH = ".msh files of gmsh 2 and 4 and .geo scripts"
-ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp), universal files (.unv), bulk data of Nastran (.bdf)"
+ALL = f"{GMSH}, decks of Abaqus and CalculiX (.inp), universal files (.unv), bulk data of Nastran (.bdf), MED files"
 
 
 def read_gmsh(
@@ -51,6 +53,9 @@ def read_mesh(
 ) -> Mesh:
     r"""The mesh of a body in a file of gmsh, Abaqus, CalculiX, Nastran or Salome, with its named surfaces.
 
+    The quadrilaterals of a body that has triangles too are cut into triangles, straight prisms and pyramids and what is
+    beside them into tetrahedra, with a warning.
+
     Args:
         path: The path of the file; its first bytes tell the format.
         body: The group of cells to take: a physical group of gmsh, an ``*ELSET`` of a deck (in capitals), a group of
@@ -85,7 +90,8 @@ def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **p
     """The meshes of all groups of cells in a file, {name: mesh}; see `read_mesh`.
 
     Groups may overlap: which of them are the bodies is yours to choose. `Mesh.pieces` separates bodies that share a
-    group.
+    group. A group whose cells are of several kinds, or of one that cannot be computed with, is left out with a warning
+    that says so.
 
     Args:
         path: The path of the file; its first bytes tell the format.
@@ -95,13 +101,23 @@ def read_bodies(path: str | Path, *, dim: int | None = None, order: int = 1, **p
 
     Raises:
         FileNotFoundError: There is no such file.
-        ValueError: There are no groups of cells, or `read_mesh` refuses one.
+        ValueError: There are no groups of cells; `read_mesh` refuses one for another reason, or all for this one.
     """
     path = Path(path)
     found = _contents(path, format_of(path), dim, order, parameters)
     if not found.bodies:
         raise ValueError(f"path = {str(path)!r}: the file has no groups of cells; cd.read_mesh reads it as one mesh")
-    return {name: found.mesh(name) for name in found.bodies}
+    bodies, left_out = {}, list[KindError]()
+    for name in found.bodies:
+        try:
+            bodies[name] = found.mesh(name)
+        except KindError as error:
+            left_out.append(error)
+    if not bodies:
+        raise left_out[0]
+    for reason in left_out:
+        warn(f"left out: {reason}", ContactWarning, stacklevel=2)
+    return bodies
 
 
 def read_geometry(path: str | Path, size: float, *, order: int = 1, **markers: Marker) -> Mesh:
@@ -159,7 +175,7 @@ def _contents(path: Path, found: str, dim: int | None, order: int, parameters: M
 
         return nastran.read(path, dim)
     if found == "MED file":
-        from . import gmsh
+        from . import med
 
-        return gmsh.read_med(path, dim)
+        return med.read(path, dim)
     raise refuse(path, found, "cd.read_mesh", ALL)

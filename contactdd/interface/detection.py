@@ -17,6 +17,9 @@ from ..base.arrays import TINY, Floats, Indices
 #: Facets face each other if the angle between one's normal and the other's inward normal is below this.
 FACING = np.pi / 3
 
+#: Pairs of facets up to which all are looked at: a tree has more to do before it begins.
+FEW = 2000
+
 
 @dataclass(frozen=True)
 class _Level:
@@ -26,6 +29,10 @@ class _Level:
     high: Floats
     axis: Floats
     angle: Floats
+
+    def of(self, places: Indices) -> _Level:
+        """Some of the blocks."""
+        return _Level(self.low[places], self.high[places], self.axis[places], self.angle[places])
 
     def parents(self) -> _Level:
         """The blocks of two neighbours each."""
@@ -49,13 +56,17 @@ def facing_pairs(
 
     first, second: (n, corners, dim); normals: (n, dim) outward units; reach: how far apart partners may be.
     """
-    orders = [_curve_order(corners.mean(axis=1)) for corners in (first, second)]
-    trees = [
-        _tree(_Level(c[o].min(axis=1), c[o].max(axis=1), n[o], np.zeros(len(o))))
-        for c, n, o in zip((first, second), (first_normals, second_normals), orders, strict=True)
+    leaves = [
+        _Level(c.min(axis=1), c.max(axis=1), n, np.zeros(len(c)))
+        for c, n in ((first, first_normals), (second, second_normals))
     ]
-    i: Indices = np.zeros(1, dtype=np.intp)
-    j: Indices = i
+    if len(first) * len(second) <= FEW:
+        i, j = np.divmod(np.arange(len(first) * len(second)), len(second))
+        may = _may_overlap(leaves[0], i, leaves[1], j, reach)
+        return i[may], j[may]
+    orders = [_curve_order(corners.mean(axis=1)) for corners in (first, second)]
+    trees = [_tree(level.of(order)) for level, order in zip(leaves, orders, strict=True)]
+    i = j = np.zeros(1, dtype=np.intp)
     for level in reversed(range(max(len(tree) for tree in trees))):
         here = [tree[min(level, len(tree) - 1)] for tree in trees]
         if level < max(len(tree) for tree in trees) - 1:

@@ -22,7 +22,7 @@ from ..field import evaluate
 from ..hard_contact import HardContact, augmented_layer
 from ..layer import Layer
 from ..meshless import MeshlessBody
-from ..quadrature import Quadrature, find_quadrature
+from ..quadrature import Quadrature, Sampling, find_quadrature
 from .nodal import LinearFunctions, hats, node_coordinates, side_of_nodes
 from .pairing import Matching, PointPairs, matching, matching_on, pair_by_segments
 from .smooth import smooth_places
@@ -34,16 +34,21 @@ from .trace import normal_trace
 class InterfaceSide:
     """One body's side of an interface of n points.
 
-    body: its index in the scene; trace: (n, dofs) from its displacement to u_n at the points; transfer: from values
-    at the interface's points to the integration points of the body's own surface, for its Robin term; along: gives the
-    same operator to its displacement along an axis (dim,).
+    body: its index in the scene; trace: (n, dofs) from its displacement to u_n at the points; make_transfer: makes
+    `transfer`; along: gives the same operator to its displacement along an axis (dim,).
     """
 
     body: int
     surface: ContactSurface | PointSurface
     trace: scipy.sparse.csr_matrix
-    transfer: Gather | scipy.sparse.csr_matrix
+    make_transfer: Callable[[], Gather | scipy.sparse.csr_matrix]
     along: Callable[[Floats], scipy.sparse.csr_matrix]
+
+    @cached_property
+    def transfer(self) -> Gather | scipy.sparse.csr_matrix:
+        """From values at the interface's points to the integration points of the body's own surface, for its Robin
+        term."""
+        return self.make_transfer()
 
     @property
     def meshed(self) -> ContactSurface:
@@ -77,12 +82,12 @@ class Interface:
     x: (n, dim) coordinates on the first surface, the smooth one behind its facets if they do not match the second's, or
     the nodes of either; normal: (n, dim) out of the first body; weights: (n,) areas; geometric_gap: (n,) the part of
     the initial gap d found from the meshes; prescribed_gap: (n,) the part prescribed by the user; prescription: how to
-    evaluate that part again; sides: both bodies; nodal: makes the linear functions of one surface's nodes;
-    unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second surface's
-    opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None where the
-    points are no nodes; centres: (n, dim) the centres of what acts at nodes, ∫ ψ x / ∫ ψ, None where they are `x`;
-    doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is meant, None if they do
-    not; slides: None, or the index of the contact whose sliding along an axis this interface is, `normal` then being
+    evaluate that part again; sides: both bodies; nodal: from both sides' surfaces to the linear functions of one's
+    nodes; unpaired_area: the area of either surface that has no partner; facets: on meshes that match, the second
+    surface's opposite each of the first's; gathered: (nodes, n) from the points' values to all nodes of a surface, None
+    where the points are no nodes; centres: (n, dim) the centres of what acts at nodes, ∫ ψ x / ∫ ψ, None where they are
+    `x`; doubt: (n,) the uncertainty of `geometric_gap` where the facets leave open which surface is meant, None if they
+    do not; slides: None, or the index of the contact whose sliding along an axis this interface is, `normal` then being
     that axis; layer: the contact's law at the points, a hard contact's `AugmentedLayer`. Contact integrals are sums
     over the points: J = Σ weights ∫₀^z g⁻.
     """
@@ -95,7 +100,7 @@ class Interface:
     prescribed_gap: Floats
     prescription: PrescribedGap
     sides: tuple[InterfaceSide, InterfaceSide]
-    nodal: Callable[[], LinearFunctions]
+    nodal: Callable[..., LinearFunctions]
     unpaired_area: tuple[float, float] = (0.0, 0.0)
     facets: NDArray[np.intp] | None = None
     gathered: scipy.sparse.csr_matrix | None = None
@@ -124,7 +129,7 @@ class Interface:
     @cached_property
     def functions(self) -> LinearFunctions:
         """The linear functions of the nodes of one surface."""
-        return self.nodal()
+        return self.nodal(*(side.surface for side in self.sides))
 
     def nodal_field(self, pressure: Floats) -> Floats:
         """A pressure at the points, L²-projected onto the linear functions: its values at all nodes of their surface.
@@ -246,12 +251,12 @@ def discretise(
     given = PrescribedGap(smooth_places(first) if callable(contact.gap) else first.points.x, first.average)
     shape = given.at(contact.gap)
     sides = (
-        InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread(), first.mean_along),
+        InterfaceSide(bodies[0], first, first.mean(first.trace).tocsr(), first.spread, first.mean_along),
         InterfaceSide(
             bodies[1],
             second,
             matched.in_order(second.mean(second.trace).tocsr()),
-            second.spread(matched.places),
+            lambda: second.spread(matched.places),
             lambda axis: matched.in_order(second.mean_along(axis)),
         ),
     )
@@ -264,7 +269,7 @@ def discretise(
         shape,
         given,
         sides,
-        lambda: _linear_functions(first, second, matched),
+        partial(_linear_functions, matched),
         facets=matched.facets,
     )
 
@@ -280,10 +285,10 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
     places = smooth_places(own)
     trace, measured = _seen_meshless(contact, partner, x, own.mean(places), normal)
     given = PrescribedGap(places, own.average, part=0.5 if contact.mirrored else 1.0)
-    points = Gather(np.arange(len(x)), len(x))
+    points, along = PointSurface(weights, trace), _meshless_along(partner, x)
     sides = [
-        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread(), own.mean_along),
-        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points, _meshless_along(partner, x)),
+        InterfaceSide(bodies[meshed], own, own.mean(own.trace).tocsr(), own.spread, own.mean_along),
+        InterfaceSide(bodies[1 - meshed], points, trace, partial(_everywhere, len(x)), along),
     ]
     first, second = sides if meshed == 0 else reversed(sides)
     return Interface(
@@ -295,7 +300,7 @@ def _opposite_meshless(contact: Contact, bodies: tuple[int, int], quadrature: Qu
         given.at(contact.gap),
         given,
         (first, second),
-        lambda: LinearFunctions(own, own.points, own.weights, own.average),
+        lambda *_: LinearFunctions(own, own.points, own.weights, own.average),
     )
 
 
@@ -305,28 +310,27 @@ def _nodes_opposite_meshless(
     """The same with the values at the nodes of the meshed surface."""
     facets = np.repeat(np.arange(len(own.facets)), own.per_facet)
     sampling = own.rule.sampling(own.weights, facets, lambda: hats(own, own.points))
-    values = sampling.mean
     places = smooth_places(own)
     trace, measured = _seen_meshless(contact, partner, own.points.x, places, own.points.normal)
-    normal = values @ own.points.normal
+    normal = sampling.means(own.points.normal)
     normal /= np.linalg.norm(normal, axis=1, keepdims=True)
-    given = PrescribedGap(places, values, part=0.5 if contact.mirrored else 1.0)
-    weights, trace = sampling.weights, (values @ trace).tocsr()
-    points = Gather(np.arange(len(weights)), len(weights))
-    means = _facet_means(own, facets, own.weights, sampling.spread)
+    given = PrescribedGap(places, sampling.mean, part=0.5 if contact.mirrored else 1.0)
+    weights, trace = sampling.weights, sampling.means(trace)
 
     def along(axis: Floats) -> scipy.sparse.csr_matrix:
-        return (values @ _meshless_along(partner, own.points.x)(axis)).tocsr()
+        return sampling.means(_meshless_along(partner, own.points.x)(axis))
 
     sides = [
         InterfaceSide(
             bodies[meshed],
             own,
-            (values @ own.trace).tocsr(),
-            means,
-            lambda axis: (values @ own.trace_along(axis)).tocsr(),
+            sampling.means(own.trace),
+            partial(_facet_means, own, facets, own.weights, sampling),
+            lambda axis: sampling.means(own.trace_along(axis)),
         ),
-        InterfaceSide(bodies[1 - meshed], PointSurface(weights, trace), trace, points, along),
+        InterfaceSide(
+            bodies[1 - meshed], PointSurface(weights, trace), trace, partial(_everywhere, len(weights)), along
+        ),
     ]
     first, second = sides if meshed == 0 else reversed(sides)
     return Interface(
@@ -334,13 +338,13 @@ def _nodes_opposite_meshless(
         node_coordinates(own)[sampling.nodes],
         normal if meshed == 0 else -normal,
         weights,
-        values @ measured,
+        sampling.means(measured),
         given.at(contact.gap),
         given,
         (first, second),
-        lambda: LinearFunctions(own, own.points, own.weights, values),
+        lambda *_: LinearFunctions(own, own.points, own.weights, sampling.mean),
         gathered=sampling.gathered,
-        centres=values @ own.points.x,
+        centres=sampling.means(own.points.x),
     )
 
 
@@ -398,7 +402,12 @@ def _side_of_points(
     body, count = contact.sides[side][0], len(weights)
     trace = _operator(body.normal_displacement(*rays), count)
     points = PointSurface(weights, trace, stiffnesses=body.point_stiffnesses(), corners=body.contact_facets())
-    return InterfaceSide(place, points, trace, Gather(np.arange(count), count), _meshless_along(body, rays[0]))
+    return InterfaceSide(place, points, trace, partial(_everywhere, count), _meshless_along(body, rays[0]))
+
+
+def _everywhere(count: int) -> Gather:
+    """The operator to the points of an interface themselves."""
+    return Gather(np.arange(count), count)
 
 
 def _meshless_along(body: MeshlessBody, x: Floats) -> Callable[[Floats], scipy.sparse.csr_matrix]:
@@ -416,7 +425,7 @@ def _meshless_along(body: MeshlessBody, x: Floats) -> Callable[[Floats], scipy.s
     return along
 
 
-def _no_functions() -> LinearFunctions:
+def _no_functions(*_: PointSurface) -> LinearFunctions:
     raise ValueError("a contact between bodies without a mesh has no functions of facets; expected its own points")
 
 
@@ -445,7 +454,7 @@ def _surfaces(contact: Contact, quadrature: Quadrature) -> tuple[ContactSurface,
     if surface == opposite:
         isometry = other.elements.isometry_from(body.elements)
         if isometry is not None:
-            return first, first.copied(other, isometry)
+            return first, first.copied(other, opposite, isometry)
     return first, ContactSurface(other, opposite, quadrature)
 
 
@@ -462,45 +471,44 @@ def _on_segments(contact: Contact, bodies: tuple[int, int], first: ContactSurfac
     sampling = rule.sampling(
         partners.weights, partners.segment, lambda: hats(surfaces[nodal()], partners.points[nodal()])
     )
-    values = sampling.mean
     x = partners.places[0]
-    normal = values @ partners.normal
-    given = PrescribedGap(partners.middle, values)
+    normal = sampling.means(partners.normal)
+    given = PrescribedGap(partners.middle, sampling.mean)
     shape = given.at(contact.gap)
     sides = tuple(
         InterfaceSide(
             bodies[index],
             surface,
-            (values @ _trace(surface, partners, index, sign)).tocsr(),
-            _facet_means(surface, partners.facets[index], partners.weights, sampling.spread),
-            partial(_seen_along, surface, partners, index, values),
+            sampling.means(_trace(surface, partners, index, sign)),
+            partial(_facet_means, surface, partners.facets[index], partners.weights, sampling),
+            partial(_seen_along, surface, partners, index, sampling),
         )
         for index, (surface, sign) in enumerate(((first, 1.0), (second, -1.0)))
     )
     unpaired = tuple(_unpaired_area(surface, partners, index) for index, surface in enumerate(surfaces))
     return Interface(
         contact.frozen(),
-        values @ x if sampling.nodes is None else node_coordinates(surfaces[nodal()])[sampling.nodes],
+        sampling.means(x) if sampling.nodes is None else node_coordinates(surfaces[nodal()])[sampling.nodes],
         normal / np.linalg.norm(normal, axis=1, keepdims=True),
         sampling.weights,
-        contact.measure_gap * (values @ without_rounding(partners.gap, np.abs(x).max())),
+        contact.measure_gap * sampling.means(without_rounding(partners.gap, np.abs(x).max())),
         shape,
         given,
         (sides[0], sides[1]),
-        lambda: LinearFunctions(surfaces[nodal()], partners.points[nodal()], partners.weights, sampling.mean),
+        partial(_functions_on_segments, partners, sampling),
         (unpaired[0], unpaired[1]),
         gathered=sampling.gathered,
-        centres=None if sampling.nodes is None else values @ x,
-        doubt=values @ partners.doubt if contact.measure_gap and partners.doubt.any() else None,
+        centres=None if sampling.nodes is None else sampling.means(x),
+        doubt=sampling.means(partners.doubt) if contact.measure_gap and partners.doubt.any() else None,
     )
 
 
 def _seen_along(
-    surface: ContactSurface, partners: PointPairs, index: int, mean: scipy.sparse.csr_matrix, axis: Floats
+    surface: ContactSurface, partners: PointPairs, index: int, sampling: Sampling, axis: Floats
 ) -> scipy.sparse.csr_matrix:
     """The displacement of one side along an axis (dim,), at the values, (n, dofs)."""
     directions = np.broadcast_to(axis, partners.normal.shape)
-    return (mean @ normal_trace(surface.body.space, partners.points[index], directions)).tocsr()
+    return sampling.means(normal_trace(surface.body.space, partners.points[index], directions))
 
 
 def _trace(surface: ContactSurface, partners: PointPairs, side_index: int, sign: float) -> scipy.sparse.csr_matrix:
@@ -511,7 +519,13 @@ def _trace(surface: ContactSurface, partners: PointPairs, side_index: int, sign:
     return trace if stretch is None else trace + stretch
 
 
-def _linear_functions(first: ContactSurface, second: ContactSurface, matched: Matching) -> LinearFunctions:
+def _functions_on_segments(partners: PointPairs, sampling: Sampling, *surfaces: ContactSurface) -> LinearFunctions:
+    """The linear functions of one surface's nodes on the segments of both."""
+    side = side_of_nodes((surfaces[0], surfaces[1]), partners.facets)
+    return LinearFunctions(surfaces[side], partners.points[side], partners.weights, sampling.mean)
+
+
+def _linear_functions(matched: Matching, first: ContactSurface, second: ContactSurface) -> LinearFunctions:
     """The linear functions of one surface's nodes on meshes that match."""
     if side_of_nodes((first, second), (np.arange(len(first.facets)), matched.facets)) == 0:
         return LinearFunctions(first, first.points, first.weights, first.average)
@@ -520,19 +534,19 @@ def _linear_functions(first: ContactSurface, second: ContactSurface, matched: Ma
 
 
 def _facet_means(
-    surface: ContactSurface, owner: NDArray[np.intp], weights: Floats, spread: scipy.sparse.csr_matrix
+    surface: ContactSurface, owner: NDArray[np.intp], weights: Floats, sampling: Sampling
 ) -> scipy.sparse.csr_matrix:
     """From the values at an interface to a body's own integration points: the facets' means.
 
-    owner, weights: the facets and areas of the interface's points; spread: from the values to these. A facet that is
-    only partly covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
+    owner, weights: the facets and areas of the interface's points; sampling: their values. A facet that is only partly
+    covered gets as much of the mean as is covered, so that ∫ φ keeps its value.
     """
-    count = len(surface.facets)
-    total = (
-        scipy.sparse.csr_matrix((weights, (owner, np.arange(len(owner)))), shape=(count, len(owner))) @ spread
-    ).tocsr()
-    total.sort_indices()
-    total.data /= np.repeat(surface.facet_areas, np.diff(total.indptr))
+    count, order = len(surface.facets), np.argsort(owner, kind="stable")
+    ends = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=count))])
+    shares = (weights / surface.facet_areas[owner])[order]
+    total = scipy.sparse.csr_matrix((shares, order, ends), shape=(count, len(owner)))
+    if sampling.spread is not None:
+        total = (total @ sampling.spread).tocsr()
     return total[np.repeat(np.arange(count), surface.per_facet)]
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Indices
+from ..base.facets import cross
 
 #: Overlaps smaller than this part of the smaller facet are rounding, not contact.
 NEGLIGIBLE = 1e-12
@@ -191,6 +192,6 @@ def axes_across(normal: Floats) -> Floats:
     if normal.shape[1] == 2:
         return np.stack([-normal[:, 1], normal[:, 0]], axis=1)[:, None]
     smallest = np.eye(3)[np.argmin(np.abs(normal), axis=1)]
-    first = np.cross(normal, smallest)
+    first = cross(normal, smallest)
     first /= np.linalg.norm(first, axis=1, keepdims=True)
-    return np.stack([first, np.cross(normal, first)], axis=1)
+    return np.stack([first, cross(normal, first)], axis=1)

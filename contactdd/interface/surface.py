@@ -46,14 +46,18 @@ class ContactSurface:
         self.weights = self.areas * body.kinematics.weight(self.points.x.T)
         self.trace = self._trace(self.points.normal)
 
-    def copied(self, body: Body, isometry: Isometry) -> ContactSurface:
-        """The same surface of a body on a copy of the mesh, of the same degree."""
+    def copied(self, body: Body, surface: str, isometry: Isometry) -> ContactSurface:
+        """The surface of a body on a copy of the mesh, of the same degree; surface: its name there."""
         other = copy(self)
-        other.body, trace, signs = body, self.trace, isometry.signs
+        for name in [name for name in vars(self) if isinstance(getattr(ContactSurface, name, None), cached_property)]:
+            del vars(other)[name]
+        other.body, other.surface, other.facets = body, surface, body.mesh.facets(surface)
         other.points = self.points.turned(isometry)
         other.weights = self.areas * body.kinematics.weight(other.points.x.T)
-        other.trace = copy(trace)
-        other.trace.data = trace.data * signs[trace.indices % len(signs)]
+        if isometry.mirrors:
+            signs = isometry.signs
+            other.trace = copy(self.trace)
+            other.trace.data = self.trace.data * signs[self.trace.indices % len(signs)]
         return other
 
     def sliding(self, across: int) -> ContactSurface:

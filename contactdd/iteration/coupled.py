@@ -68,10 +68,12 @@ class SparseSystem:
 
     def __init__(self, ensemble: Ensemble) -> None:
         self._approach = scipy.sparse.csr_matrix(ensemble.normal_approach)
-        self._stiffness = BlockDiagonal([as_matrix(problem.stiffness) for problem in ensemble.problems]).tocsr()
+        stiffness = BlockDiagonal([as_matrix(problem.stiffness) for problem in ensemble.problems]).tocsr()
         diagonal = scipy.sparse.eye(ensemble.size).tocsr()
-        self._matrix = (_ones(self._stiffness) + _ones(abs(self._approach).T @ abs(self._approach)) + diagonal).tocsr()
-        self._own, self._diagonal = (entry_positions(self._matrix, part) for part in (self._stiffness, diagonal))
+        self._matrix = (_ones(stiffness) + _ones(abs(self._approach).T @ abs(self._approach)) + diagonal).tocsr()
+        self._stiffness = np.zeros(self._matrix.nnz)
+        self._stiffness[entry_positions(self._matrix, stiffness)] = stiffness.data
+        self._diagonal = entry_positions(self._matrix, diagonal)
         self._factor: Factor | None = None
 
     def solver(self, weights: Floats, held: Floats) -> Solver:
@@ -79,12 +81,11 @@ class SparseSystem:
         weighted = self._approach.copy()
         weighted.data *= np.repeat(weights, np.diff(weighted.indptr))
         contacts = scipy.sparse.csr_matrix(self._approach.T @ weighted)  # without the entries that vanish
-        values = np.zeros(self._matrix.nnz)
-        values[self._own] += self._stiffness.data
+        values = self._stiffness.copy()
         values[self._diagonal] += held
         values[entry_positions(self._matrix, contacts)] += contacts.data
         if self._factor is None:
-            self._matrix.data[:] = values
+            self._matrix.data = values
             self._factor = Factor(self._matrix)
         else:
             self._factor.update(values)

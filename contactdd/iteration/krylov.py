@@ -50,7 +50,7 @@ class Krylov:
         rhs = residual - free @ (free.T @ residual)
         coarse = self._coarse_space(phi)
         image = self._ensemble.tangent(phi, coarse)
-        inverse = _pseudo_inverse(coarse.T @ image, rigid.stiffness_scale)
+        inverse = pseudo_inverse(coarse.T @ image, rigid.stiffness_scale)
         held = self._held(phi)
 
         def precondition(vector: Floats) -> Floats:
@@ -144,7 +144,7 @@ def deflated_conjugate_gradients(
     return solution if square < smallest else best
 
 
-def _pseudo_inverse(matrix: Floats, largest: float) -> Floats:
+def pseudo_inverse(matrix: Floats, largest: float) -> Floats:
     """The pseudo-inverse of a symmetric matrix, whose null space are motions of all bodies that nothing resists.
 
     largest: the stiffness in whose rounding such motions' resistance is lost.

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from ..base.arrays import Floats
 from ..base.ranks import Ranks
+from ..local.spectral import SpectralProblem
 from ..scheme import Scheme
 from ..system.ensemble import Ensemble
 from ..system.state import Phi
@@ -46,6 +47,12 @@ def find_step(scheme: Scheme, ensemble: Ensemble, ranks: Ranks) -> Step:
         return Ordered(ensemble, ranks, scheme.groups)
     if scheme.step == "decomposed":
         return Decomposed(ensemble, ranks)
+    if scheme.step == "auto" and any(isinstance(problem, SpectralProblem) for problem in problems):
+        from .pressures import Pressures, surface_of
+
+        surface = surface_of(ensemble)
+        if surface is not None:
+            return Pressures(ensemble, surface, f"auto: Newton in {len(ensemble.weights)} pressures")
     entries = sum(problem.size**2 for problem in problems)
     small = entries <= LARGEST_DIRECT**2 and not any(problem.factor_free for problem in problems)
     if scheme.step == "direct" or (scheme.step == "auto" and small):

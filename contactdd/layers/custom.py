@@ -94,7 +94,7 @@ class CustomLayer(LimitedLayer):
         near = np.array([c, c - 1e-3 * min(c, self._pole - c)])
         with np.errstate(all="ignore"):
             p = self._known_pressure(near)
-        return float((p[0] - p[1]) / (near[0] - near[1]))
+            return float((p[0] - p[1]) / (near[0] - near[1]))
 
     def _find_pole(self) -> float:
         """The compression where g, having steepened, is no longer finite and increasing; inf if there is none."""

@@ -46,7 +46,7 @@ class ReferenceIntegrals:
 class AffineCells:
     """A body of affine cells and one material, its stiffness cell by cell.
 
-    jacobians: (cells, dim, dim) J; material: (dim, dim, dim, dim) C_ambn; nodes: (cells,
+    mesh: the body's; jacobians: (cells, dim, dim) J; material: (dim, dim, dim, dim) C_ambn; nodes: (cells,
     nodes) of the body's space; inner, outer: those of the reference cell that lie inside of it, and on its boundary;
     integrals: over the reference cell.
     """
@@ -56,7 +56,7 @@ class AffineCells:
 
     def __init__(self, body: Body) -> None:
         element = body.space.ufl_element()
-        self.dim = body.mesh.dim
+        self.mesh, self.dim = body.mesh, body.mesh.dim
         self.jacobians, self.material = _jacobians(body.mesh), body.kinematics.tensor(body.material.stiffness())
         self.nodes = body.space.dofmap.list
         self.inner, self.outer = _inner_and_outer(element)
@@ -120,19 +120,19 @@ def are_affine(mesh: Mesh) -> bool:
     vertices, ends = _vertices(element.cell_type)
     if len(vertices) == mesh.dim + 1:
         return True
-    x = _nodes(mesh)
+    x = cell_nodes(mesh)
     straight = x[:, :1] + vertices @ (x[:, ends] - x[:, :1])
     return bool(np.abs(straight - x).max() <= 1e-14 * np.abs(x).max())  # what rounding leaves of a parallelogram
 
 
 def _jacobians(mesh: Mesh) -> Floats:
     """J of every cell's map, (cells, dim, dim)."""
-    x = _nodes(mesh)
+    x = cell_nodes(mesh)
     _, ends = _vertices(compat.coordinate_map(mesh.domain).cell_type)
     return np.swapaxes(x[:, ends] - x[:, :1], 1, 2)
 
 
-def _nodes(mesh: Mesh) -> Floats:
+def cell_nodes(mesh: Mesh) -> Floats:
     """The coordinates of every cell's nodes, (cells, nodes, dim)."""
     return mesh.domain.geometry.x[compat.geometry_dofmap(mesh.domain), : mesh.dim]
 

@@ -31,6 +31,8 @@ from .remote import CollectiveOperator, RemoteProblem, SharedProblem
 from .spectral import SpectralProblem
 from .task import LocalTask
 
+#: Bodies above which memory counts.
+MANY = 16
 #: The kind of a problem that a body makes itself.
 OWN = "own"
 #: Makes the local problem of a body.
@@ -170,6 +172,8 @@ class LocalSolvers:
         """The task of a body's local solver."""
         body, ranks = self._bodies[index], self._ranks
         task = LocalTask(body, self._sides[index], None if body.mesh is None else self._discrete_body(index))
+        if len(self._bodies) > MANY:
+            task = replace(task, crowded=True)
         if not ranks.alone and ranks.owns(index):
             owner = ranks.teams[index][0]
             task = replace(task, comm=ranks.team(index), collective=partial(CollectiveOperator, ranks, owner))

@@ -1,6 +1,7 @@
 """Static condensation: the inside of a body eliminated, so that only the unknowns that its contacts touch are left.
 
-`SparseCondensation` eliminates it at once by MUMPS, `DenseCondensation` and `SmallCondensation` by LAPACK.
+`SparseCondensation` eliminates it at once by MUMPS, `DenseCondensation` and `SmallCondensation` by LAPACK, and
+`multifrontal.MultifrontalCondensation` a large solid part by part.
 `ElementCondensation`, for elements of high degree, first eliminates what lies inside of every cell, many small dense
 problems alike, and hands the rest to one of them. `MirroredCondensation` takes over the condensation of a body of which
 this one is a moved or mirrored copy.
@@ -14,11 +15,12 @@ from typing import Protocol
 import numpy as np
 import scipy
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Indices
-from .affine import AffineCells
+from .affine import AffineCells, cell_nodes
+from .dissection import Dissection
 from .factor import Factor, SpreadFactor
+from .multifrontal import MultifrontalCondensation, dense_sum, stiffness_of_cells
 from .space import AdmissibleSpace
 
 
@@ -73,8 +75,9 @@ class DenseCondensation:
 
     def __init__(self, matrix: Floats, kept: int) -> None:
         self._size = size = len(matrix) - kept
-        self._lower = _cholesky(matrix[:size, :size].T)
-        self._half = scipy.linalg.blas.dtrsm(1.0, self._lower, matrix[size:, :size].T, lower=1)  # L⁻¹ K_ec, K_ee = L Lᵀ
+        lower = _cholesky(matrix[:size, :size].T)
+        self._half = scipy.linalg.blas.dtrsm(1.0, lower, matrix[size:, :size].T, lower=1)  # L⁻¹ K_ec, K_ee = L Lᵀ
+        self._packed = scipy.linalg.lapack.dtrttp(lower, uplo="L")[0]
         self.schur_complement = matrix[size:, size:] - self._half.T @ self._half
 
     def condense_load(self, forces: Floats) -> tuple[Floats, float]:
@@ -87,7 +90,9 @@ class DenseCondensation:
 
     def _triangular(self, rhs: Floats, transposed: bool = False) -> Floats:
         """L⁻¹ b, or L⁻ᵀ b."""
-        return scipy.linalg.blas.dtrsm(1.0, self._lower, rhs[:, None], lower=1, trans_a=transposed)[:, 0]
+        if self._size == 0:  # which BLAS would refuse
+            return rhs
+        return scipy.linalg.blas.dtpsv(self._size, self._packed, rhs, lower=1, trans=transposed)
 
 
 class SmallCondensation:
@@ -123,6 +128,8 @@ class ElementCondensation:
 
     #: Unknowns up to which the skeleton's matrix is dense.
     SMALL = 400
+    #: Unknowns from which that of a solid is dissected.
+    DISSECTED = 4000
 
     def __init__(self, cells: AffineCells, space: AdmissibleSpace, kept: Indices) -> None:
         self.cells, self.space, self.kept = cells, space, kept
@@ -138,10 +145,15 @@ class ElementCondensation:
         self._positions = number[outer]
         first, *others = (self._complements(part) for part in cells.parts())
         blocks = np.concatenate([first, *others]) if others else first  # mostly all at once, and large
+        self._rest: Condensation
         if size <= self.SMALL:
-            self._rest: DenseCondensation | SparseCondensation = DenseCondensation(
-                _dense_sum(blocks, self._positions, size), len(kept)
-            )
+            self._rest = DenseCondensation(dense_sum(blocks, self._positions, size), len(kept))
+        elif cells.dim == 3 and size >= self.DISSECTED:
+            nodes = space.free_dofs[self._skeleton] // cells.dim
+            middles = cell_nodes(cells.mesh).mean(axis=1)
+            dissection = Dissection.of(cells.nodes[:, cells.outer], middles, nodes, number[kept])
+            own = stiffness_of_cells(blocks, self._positions.reshape(len(blocks), -1), dissection)
+            self._rest = MultifrontalCondensation(dissection, len(kept), own)
         else:
             self._rest = SparseCondensation(_sparse_sum(blocks, self._gather), number[kept])
 
@@ -237,11 +249,3 @@ def _sparse_sum(blocks: Floats, gather: scipy.sparse.csr_matrix) -> scipy.sparse
     diagonal = scipy.sparse.bsr_matrix((blocks, positions[:-1], positions), shape=(count * size, count * size))
     product = gather.T.tocsr() @ diagonal.tocsr() @ gather
     return product.T.tocsr()  # the same, but every row's entries are in order
-
-
-def _dense_sum(blocks: Floats, positions: NDArray[np.intp], size: int) -> Floats:
-    """The same sum as a dense matrix (size, size); positions: of every row of P, `size` where it is zero."""
-    rows = positions.reshape(len(blocks), -1)
-    flat = (size + 1) * rows[:, :, None] + rows[:, None]
-    total = np.asarray(np.bincount(flat.ravel(), blocks.ravel(), (size + 1) ** 2), dtype=float)
-    return total.reshape(size + 1, -1)[:size, :size]

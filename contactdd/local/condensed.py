@@ -13,16 +13,23 @@ from mpi4py import MPI
 
 from ..base.arrays import Floats, Indices
 from ..interface.discretise import InterfaceSide
+from .affine import cell_nodes
 from .condensation import Condensation, ElementCondensation, MirroredCondensation, SmallCondensation, SparseCondensation
 from .copies import loaded_alike
 from .dense import DenseSystem
 from .discrete import DiscreteBody
+from .dissection import Dissection
+from .multifrontal import MultifrontalCondensation, stiffness_of_rows
 from .problem import Fields, Solver, contact_traces, nodal_operator, refreshed_traces, rigid_motions
 from .rigid import orthonormal
 from .task import LocalTask
 
 #: Of the largest singular value: below it, a combination of rigid modes vanishes at some unknowns.
 VANISHES = 1e-8
+
+
+#: Unknowns of a solid from which its inside is condensed by parts.
+DISSECTED = 8000
 
 
 class CondensedProblem:
@@ -41,12 +48,14 @@ class CondensedProblem:
         self.body, self.dofs = task.body, task.discrete
         self.name, self.length = task.body.name, task.body.mesh.size
         self.kept = touched_unknowns(self.dofs, task.sides)
-        self.traces = contact_traces(task.sides, self.dofs.space, self.kept)
+        self.traces = contact_traces(task.sides, self.dofs.space, self.kept, task.crowded)
         original = task.original
         if isinstance(original, CondensedProblem) and np.array_equal(self.kept, original.kept):
             self._set_as_copy(original, task.signs)
             return
         self.condensation = condense(self.dofs, self.kept, task.comm)
+        if task.crowded:
+            self.dofs.stiffness.forget()
         self.stiffness = self.condensation.schur_complement
         self._set_motions()
         self._set_loads()
@@ -182,10 +191,26 @@ def condense(dofs: DiscreteBody, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) 
     stiffness, space = dofs.stiffness, dofs.space
     if comm.size == 1 and space.free is not None and not stiffness.has_springs and stiffness.cells is not None:
         return ElementCondensation(stiffness.cells, space, kept)
-    matrix = stiffness.reduced
+    if comm.size == 1 and dofs.body.mesh.dim == 3 and space.size >= DISSECTED:
+        return _dissected(dofs, kept)
+    matrix = space.within(stiffness.full)  # not kept beside its factor
     if comm.size == 1 and 0 < len(kept) < matrix.shape[0] <= SmallCondensation.LARGEST:
         return SmallCondensation(matrix, kept)
     return SparseCondensation(matrix, kept, comm)
+
+
+def _dissected(dofs: DiscreteBody, kept: Indices) -> MultifrontalCondensation:
+    """The inside of a solid condensed by halves of halves of its cells."""
+    body, space, stiffness = dofs.body, dofs.space, dofs.stiffness
+    middles = cell_nodes(body.mesh).mean(axis=1)
+    dissection = Dissection.of(body.space.dofmap.list, middles, space.nodes(body.mesh.dim), kept)
+    mixes = space.free is None
+    own = stiffness_of_rows(
+        stiffness.reduced if mixes else stiffness.full,
+        np.arange(space.size) if mixes else space.free_dofs,
+        dissection,
+    )
+    return MultifrontalCondensation(dissection, len(kept), own)
 
 
 def condensed_start(

@@ -25,7 +25,10 @@ def originals(bodies: Sequence[Any]) -> list[tuple[int, Floats] | None]:
     found: list[tuple[int, Floats] | None] = []
     firsts: dict[Hashable, list[int]] = {}
     for index, body in enumerate(bodies):
-        alike = firsts.setdefault(_likeness(body) if isinstance(body, Body) else id(body), [])
+        key = _likeness(body) if isinstance(body, Body) else id(body)
+        if isinstance(body, Body) and len(bodies) > 2:  # of two there is one pair to compare
+            key = key, body.mesh.fingerprint
+        alike = firsts.setdefault(key, [])
         pairs = ((first, signs_between(bodies[first], body)) for first in alike)
         found.append(next(((first, signs) for first, signs in pairs if signs is not None), None))
         if found[-1] is None:

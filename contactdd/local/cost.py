@@ -24,7 +24,7 @@ ALWAYS_CONDENSED = 10_000
 
 
 #: Condensing n unknowns: exp(c₀) n^c₁ seconds.
-CONDENSING = (-16.36, 1.697)
+CONDENSING = (-14.60, 1.477)
 
 
 #: Solving a dense system of c unknowns in some five steps: seconds over c³.
@@ -37,7 +37,7 @@ DENSE_COPIES = 3
 
 #: Solving n unknowns by multigrid: exp(c₀) n^c₁ w^c₂ seconds, w the cubes of the cells' unknowns per unknown. Cells
 #: of high degree couple more unknowns and take more cycles.
-MULTIGRID = (-14.88, 1.063, 0.533)
+MULTIGRID = (-14.78, 1.038, 0.526)
 
 
 #: The part of that which goes into setting it up, which copies share.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,6 +14,7 @@ from ..base.arrays import Floats, Indices
 from ..base.sparse import product_map, stacked
 from .problem import ContactTrace, Solver, free_fixing_dofs
 from .rigid import RigidMotions
+from .space import SMALL
 
 
 @dataclass(frozen=True)
@@ -72,6 +74,8 @@ class DenseSystem:
         """
         values = np.concatenate([normal_displacement[trace.interface] - trace.offset for trace in self.traces])
         rows = stacked([trace.trace for trace in self.traces])
+        if not isinstance(rows, np.ndarray) and math.prod(rows.shape) <= SMALL:
+            rows = rows.toarray()
         if isinstance(rows, np.ndarray):
             return np.linalg.lstsq(rows, values, rcond=1e-12)[0]
         return scipy.sparse.linalg.lsqr(rows, values, atol=1e-15, btol=1e-15)[0]

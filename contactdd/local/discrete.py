@@ -76,7 +76,7 @@ class DiscreteBody:
 
     def rigid_motions(self, traces: Sequence[ContactTrace]) -> RigidMotions:
         """The motions in all unknowns, with what springs and each contact add to their stiffness."""
-        scale = float(self.stiffness.reduced.diagonal().max(initial=0.0))
+        scale = self.stiffness.largest
         return rigid_motions(
             self.body.name, self.body.kinematics, traces, *self.motions, self.spring_forces, stiffness_scale=scale
         )

@@ -23,7 +23,10 @@ class Factor:
 
     def __init__(self, matrix: scipy.sparse.csr_matrix, schur: NDArray[np.intp] | None = None) -> None:
         matrix.sort_indices()
-        self._csr = (matrix.indptr.astype(PETSc.IntType), matrix.indices.astype(PETSc.IntType), matrix.data.copy())
+        self._csr = (
+            *(each.astype(PETSc.IntType, copy=False) for each in (matrix.indptr, matrix.indices)),
+            matrix.data.copy(),
+        )
         self._matrix = PETSc.Mat().createAIJWithArrays(matrix.shape, self._csr, comm=PETSc.COMM_SELF)
         self._size = 0 if schur is None else len(schur)
         self._nothing_to_do = self._size == matrix.shape[0]  # MUMPS refuses to eliminate nothing

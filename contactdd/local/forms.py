@@ -25,8 +25,8 @@ from ..load import BodyLoad, Load, Pressure, is_eigenstrain
 from ..parameter import current
 
 
-def stiffness_matrix(body: Body) -> scipy.sparse.csr_matrix:
-    """∫ σ(u) : ε(v) dx for all degrees of freedom."""
+def stiffness_matrix(body: Body) -> scipy.sparse.bsr_matrix:
+    """∫ σ(u) : ε(v) dx for all degrees of freedom, in blocks of the nodes."""
     if body.material.varies:
         u, v = ufl.TrialFunction(body.space), ufl.TestFunction(body.space)
         return _matrix(compat.form(body.elastic_form(u, v)))
@@ -39,7 +39,7 @@ def stiffness_matrix(body: Body) -> scipy.sparse.csr_matrix:
 def spring_matrix(body: Body) -> scipy.sparse.csr_matrix:
     """∫ k u·v ds of all springs."""
     forms = body.spring_forms(ufl.TrialFunction(body.space), ufl.TestFunction(body.space))
-    return sum((_matrix(compat.form(form)) for form in forms), scipy.sparse.csr_matrix((body.dofs, body.dofs)))
+    return sum((_matrix(compat.form(form)).tocsr() for form in forms), scipy.sparse.csr_matrix((body.dofs, body.dofs)))
 
 
 def load_vectors(body: Body) -> tuple[Floats, Floats | None]:
@@ -127,5 +127,5 @@ def _elements(body: Body) -> tuple[Any, Any]:
     return body.mesh.domain.ufl_domain().ufl_coordinate_element(), body.space.ufl_element()
 
 
-def _matrix(form: fem.Form) -> scipy.sparse.csr_matrix:
-    return fem.assemble_matrix(form).to_scipy().tocsr()
+def _matrix(form: fem.Form) -> scipy.sparse.bsr_matrix:
+    return fem.assemble_matrix(form).to_scipy()

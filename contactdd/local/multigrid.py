@@ -12,6 +12,7 @@ import scipy
 from petsc4py import PETSc
 
 from ..base.arrays import Floats, Indices, Operator
+from ..base.sparse import entry_positions
 from .discrete import DiscreteBody
 from .problem import ContactTrace, Fields, Solver, contact_traces, free_fixing_dofs, nodal_operator, refreshed_traces
 from .rigid import RigidMotions
@@ -19,6 +20,10 @@ from .task import LocalTask
 
 #: Stiffness of the Robin term that enforces a start's displacements, over that of the body's surface.
 STIFF_START = 1e3
+
+
+#: An option of PETSc: the products Pᵀ A P as (Pᵀ A) P, in two thirds of the time of what PETSc does otherwise.
+PRODUCTS = "matptap_via", "rap"
 
 
 class MultigridProblem:
@@ -29,11 +34,11 @@ class MultigridProblem:
     def __init__(self, task: LocalTask) -> None:
         self.name, self.length = task.body.name, task.body.mesh.size
         self.dofs = task.discrete
-        matrix = self.dofs.stiffness.reduced
-        self.stiffness: Operator = task.collective(matrix)
+        own = self.dofs.stiffness.operator
+        self.stiffness: Operator = task.collective(own)
         self.traces: Sequence[ContactTrace] = contact_traces(task.sides, self.dofs.space)
         self.rigid = self.dofs.rigid_motions(self.traces)
-        self._robin = _RobinSystem(self.dofs, matrix, self.traces, self.rigid)
+        self._robin = _RobinSystem(self.dofs, own, self.traces, self.rigid)
         if isinstance(task.original, MultigridProblem):
             self._robin.share_with(task.original._robin, self.dofs.mirrored(task.signs))
 
@@ -106,7 +111,7 @@ class _RobinSystem:
     """
 
     dofs: DiscreteBody
-    matrix: scipy.sparse.csr_matrix
+    matrix: Operator
     traces: Sequence[ContactTrace]
     rigid: RigidMotions
     _own: _Made | None = field(default=None, init=False)
@@ -158,12 +163,13 @@ class _RobinSystem:
 
     def _set_up(self, phi: Mapping[int, Floats]) -> Multigrid:
         """The multigrid for A + Φ, with any motion fixed that is free."""
-        matrix, held = self.matrix, np.zeros(self.matrix.shape[0])
-        for trace in self.traces:
-            stiffness = scipy.sparse.diags(trace.surface_stiffness(phi))
-            matrix = matrix + trace.robin_trace.T @ stiffness @ trace.robin_trace
+        basis, held = self.dofs.space.basis, np.zeros(self.dofs.space.size)
         held[free_fixing_dofs(self.rigid, phi)] = self.rigid.stiffness_scale
-        return Multigrid(self.dofs, (matrix + scipy.sparse.diags(held)).tocsr(), self.rigid.stiffness_scale)
+        added = basis @ scipy.sparse.diags(held) @ basis.T
+        for trace in self.traces:
+            stiffness, own = scipy.sparse.diags(trace.surface_stiffness(phi)), trace.side.surface.trace
+            added = added + own.T @ stiffness @ own
+        return Multigrid(self.dofs, added.tocsr(), self.rigid.stiffness_scale)
 
 
 @dataclass(frozen=True)
@@ -186,24 +192,19 @@ class _Turned:
 
 
 class Multigrid:
-    """One cycle of algebraic multigrid for a matrix in the unknowns of a body.
+    """One cycle of algebraic multigrid for a body's stiffness and what is added to it, (dofs, dofs).
 
-    The unknowns are embedded into all displacements, the prescribed ones held by a diagonal: so that every node has
-    all its components, as the aggregation of nodes wants.
+    It is set up in all displacements, the prescribed ones held by a diagonal: so that every node has all its
+    components, as the aggregation of nodes wants.
     """
 
-    def __init__(self, dofs: DiscreteBody, matrix: scipy.sparse.csr_matrix, stiffness_scale: float) -> None:
-        self._basis, dim = dofs.space.basis, dofs.body.mesh.dim
+    def __init__(self, dofs: DiscreteBody, added: scipy.sparse.csr_matrix, stiffness_scale: float) -> None:
+        self._space, body = dofs.space, dofs.body
         self._nothing_to_do = dofs.space.size == 0  # all is held: GAMG would get a matrix of zeros, and crash
         if self._nothing_to_do:
             return
-        outside = scipy.sparse.eye(self._basis.shape[0], format="csr") - self._basis @ self._basis.T
-        full = (self._basis @ matrix @ self._basis.T + stiffness_scale * outside).tocsr()
-        full.sort_indices()
-        arrays = (full.indptr.astype(PETSc.IntType), full.indices.astype(PETSc.IntType), full.data)
-        self._matrix = PETSc.Mat().createAIJ(full.shape, bsize=dim, csr=arrays, comm=PETSc.COMM_SELF)
-        self._matrix.setOption(PETSc.Mat.Option.SPD, True)
-        body = dofs.body
+        blocks = _held_blocks(dofs, added, stiffness_scale)
+        self._matrix = _petsc(blocks.tocsr(), body.mesh.dim)
         motions = body.kinematics.mesh_motions(body.space.tabulate_dof_coordinates())
         orthonormal = np.linalg.qr(motions.reshape(-1, motions.shape[2]))[0]
         vectors = [PETSc.Vec().createWithArray(column.copy(), comm=PETSc.COMM_SELF) for column in orthonormal.T]
@@ -211,12 +212,64 @@ class Multigrid:
         self._pc = PETSc.PC().create(PETSc.COMM_SELF)
         self._pc.setOperators(self._matrix)
         self._pc.setType("gamg")
-        self._pc.setUp()
+        _set_up(self._pc)
+        if self._pc.getMGLevels() > 1:  # products with blocks take half the time
+            finest, blocked = self._pc.getMGSmoother(self._pc.getMGLevels() - 1), _petsc(blocks, body.mesh.dim)
+            finest.setOperators(blocked, blocked)
+            finest.setUp()
         self._rhs, self._solution = self._matrix.createVecs()
 
     def cycle(self, forces: Floats) -> Floats:
         if self._nothing_to_do:
             return np.zeros_like(forces)
-        self._rhs.array[:] = self._basis @ forces
+        self._rhs.array[:] = self._space.extended(forces)
         self._pc.apply(self._rhs, self._solution)
-        return self._basis.T @ self._solution.array
+        return self._space.restricted(self._solution.array)
+
+
+def _held_blocks(dofs: DiscreteBody, added: scipy.sparse.csr_matrix, stiffness_scale: float) -> scipy.sparse.bsr_matrix:
+    """The stiffness and what is added to it in all degrees of freedom, those that are prescribed held by a diagonal."""
+    space, dim = dofs.space, dofs.body.mesh.dim
+    if space.free is None:
+        basis = space.basis
+        inside = dofs.stiffness.reduced + basis.T @ added @ basis
+        outside = scipy.sparse.eye(basis.shape[0], format="csr") - basis @ basis.T
+        return (basis @ inside @ basis.T + stiffness_scale * outside).tobsr((dim, dim))
+    free = np.zeros(len(space.offset))
+    free[space.free] = 1.0
+    selected = scipy.sparse.diags(free)
+    added = (selected @ added @ selected + scipy.sparse.diags(stiffness_scale * (1.0 - free))).tobsr((dim, dim))
+    matrix, node = dofs.stiffness.blocks, free.reshape(-1, dim)
+    values = matrix.data * node[np.repeat(np.arange(len(node)), np.diff(matrix.indptr))][:, :, None]
+    values *= node[matrix.indices][:, None]
+    values[entry_positions(_pattern(matrix), _pattern(added))] += added.data
+    return scipy.sparse.bsr_matrix((values, matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+def _pattern(matrix: scipy.sparse.bsr_matrix) -> scipy.sparse.csr_matrix:
+    """The numbers of a matrix's blocks as the entries of one of nodes."""
+    matrix.sort_indices()
+    entries = (np.arange(len(matrix.data)), matrix.indices, matrix.indptr)
+    return scipy.sparse.csr_matrix(entries, shape=(len(matrix.indptr) - 1,) * 2)
+
+
+def _set_up(pc: PETSc.PC) -> None:
+    """Set up, with products of matrices made in the way that is quicker, if the user asks for no other."""
+    options, (name, way) = PETSc.Options(), PRODUCTS
+    if options.hasName(name):
+        pc.setUp()
+        return
+    options[name] = way
+    try:
+        pc.setUp()
+    finally:
+        options.delValue(name)
+
+
+def _petsc(matrix: scipy.sparse.csr_matrix | scipy.sparse.bsr_matrix, dim: int) -> PETSc.Mat:
+    """The same symmetric positive definite matrix in PETSc; dim: components of a node."""
+    arrays = (matrix.indptr.astype(PETSc.IntType, copy=False), matrix.indices.astype(PETSc.IntType, copy=False))
+    make = PETSc.Mat().createBAIJ if isinstance(matrix, scipy.sparse.bsr_matrix) else PETSc.Mat().createAIJ
+    made = make(matrix.shape, bsize=dim, csr=(*arrays, matrix.data), comm=PETSc.COMM_SELF)
+    made.setOption(PETSc.Mat.Option.SPD, True)
+    return made

@@ -21,7 +21,7 @@ from ..base.arrays import Floats, Indices, Operator
 from ..interface.discretise import InterfaceSide
 from ..kinematics import Kinematics
 from .rigid import Owner, Resistance, RigidMotions, select_fixing_dofs
-from .space import AdmissibleSpace
+from .space import SMALL, AdmissibleSpace
 
 #: From forces (unknowns,) to the unknowns that they cause (unknowns,).
 Solver = Callable[[Floats], Floats]
@@ -253,10 +253,16 @@ class LocalProblem(Protocol):
 
 
 def contact_traces(
-    sides: Sequence[tuple[int, InterfaceSide]], space: AdmissibleSpace, kept: Indices | None = None
+    sides: Sequence[tuple[int, InterfaceSide]],
+    space: AdmissibleSpace,
+    kept: Indices | None = None,
+    crowded: bool = False,
 ) -> list[ContactTrace]:
-    """The traces of a body's sides on all unknowns of its admissible space, or on those `kept`."""
-    some, found = space.columns if kept is None else space.columns_of(kept), []
+    """The traces of a body's sides on all unknowns of its admissible space, or on those `kept`.
+
+    crowded: see `LocalTask`.
+    """
+    some, found = space.columns if kept is None else space.columns_of(kept, 0 if crowded else SMALL), []
     for index, side in sides:
         trace = some(side.trace)
         robin_trace = trace if side.surface.trace is side.trace else some(side.surface.trace)
@@ -289,7 +295,7 @@ def rigid_motions(
         Resistance(
             trace.interface,
             np.sqrt(trace.side.surface.weights)[:, None] * (trace.robin_trace @ modes),
-            trace.side.transfer,
+            trace.side,
         )
         for trace in traces
     ]

@@ -15,6 +15,7 @@ from ..base.spectral import SpectralStiffness
 from .condensed import CondensedProblem, seen_from
 from .dense import DenseSystem
 from .problem import Fields, Solver, contact_traces, nodal_operator, rigid_motions
+from .stiffness import SelectedStiffness
 from .task import LocalTask
 
 
@@ -39,13 +40,15 @@ class CollectiveOperator:
 
     def gathered(self) -> scipy.sparse.csr_matrix:
         """The matrix, on every rank."""
-        return self._ranks.gather(self._matrix)[self._owner]
+        return self._ranks.gather(None if self._matrix is None else as_matrix(self._matrix))[self._owner]
 
 
 def as_matrix(operator: Any) -> Operator:
     """The matrix of an operator; one that a single rank holds is sent to all."""
     if isinstance(operator, SpectralStiffness):
         return operator.toarray()
+    if isinstance(operator, SelectedStiffness):
+        return operator.matrix
     return operator.gathered() if isinstance(operator, CollectiveOperator) else operator
 
 
@@ -88,7 +91,7 @@ class RemoteProblem:
         self.name, self.length, self.dofs = task.body.name, task.body.mesh.size, task.discrete
         self.factor_free, self.kept = shared.factor_free, shared.kept
         self.load, self.constant = shared.load, shared.constant
-        self.traces = contact_traces(task.sides, self.dofs.space, self.kept)
+        self.traces = contact_traces(task.sides, self.dofs.space, self.kept, task.crowded)
         modes, coefficients, springs = shared.motions or (*self.dofs.motions, self.dofs.spring_forces)
         kinematics, scale = task.body.kinematics, shared.stiffness_scale
         self.rigid = rigid_motions(self.name, kinematics, self.traces, modes, coefficients, springs, scale)

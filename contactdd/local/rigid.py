@@ -30,24 +30,24 @@ from ..kinematics import Kinematics
 from .space import AdmissibleSpace
 
 if TYPE_CHECKING:
-    from ..interface.surface import Gather
+    from ..interface.discretise import InterfaceSide
 
 
 @dataclass(frozen=True)
 class Resistance:
     """The resistance of one interface to the rigid motions: the stiffness Σ_p φ_p m_p m_pᵀ.
 
-    rows: (points, motions) √weight u_n of each motion; transfer: from φ at the interface to these points, None where
-    they are the interface's own.
+    rows: (points, motions) √weight u_n of each motion; side: the one at whose own points that is, None where they are
+    the interface's.
     """
 
     interface: int
     rows: Floats
-    transfer: Gather | scipy.sparse.csr_matrix | None = None
+    side: InterfaceSide | None = None
 
     def root(self, phi: Mapping[int, Floats]) -> Floats:
         """R of the stiffness RᵀR, (points, motions)."""
-        values = phi[self.interface] if self.transfer is None else self.transfer @ phi[self.interface]
+        values = phi[self.interface] if self.side is None else self.side.transfer @ phi[self.interface]
         return np.sqrt(values)[:, None] * self.rows
 
 

@@ -114,7 +114,11 @@ class AdmissibleSpace:
         """Zᵀ @ matrix @ Z."""
         if self.mixing is not None:
             return (self.mixing.T @ matrix @ self.mixing).tocsr()
-        return matrix[self.free_dofs][:, self.free]
+        rows = matrix[self.free_dofs]
+        columns = self.numbers[rows.indices]  # in the same order: SciPy's own way looks for repeated ones
+        present = columns >= 0
+        ends = np.concatenate([[0], np.cumsum(present)])[rows.indptr]
+        return scipy.sparse.csr_matrix((rows.data[present], columns[present], ends), shape=(self.size, self.size))
 
     def unknowns_at(self, dofs: Indices) -> Indices:
         """The unknowns on which some degrees of freedom depend, in order."""
@@ -124,8 +128,18 @@ class AdmissibleSpace:
         marked[dofs] = True
         return np.flatnonzero(marked[self.free_dofs])
 
-    def columns_of(self, kept: Indices) -> Callable[[scipy.sparse.csr_matrix], Operator]:
-        """From operators on all degrees of freedom to those on the kept unknowns; dense if small and Z only selects."""
+    def nodes(self, dim: int) -> Indices:
+        """The node to which each unknown belongs; dim: degrees of freedom of a node."""
+        if self.mixing is None:
+            return self.free_dofs // dim
+        by_column = self.mixing.tocsc()
+        return by_column.indices[by_column.indptr[:-1]] // dim
+
+    def columns_of(self, kept: Indices, small: int) -> Callable[[scipy.sparse.csr_matrix], Operator]:
+        """From operators on all degrees of freedom to those on the kept unknowns.
+
+        They are dense where Z only selects and they have no more entries than `small`.
+        """
         if self.mixing is not None:
             some = self.mixing[:, kept]
             return lambda operator: (operator @ some).tocsr()
@@ -134,9 +148,10 @@ class AdmissibleSpace:
         def chosen(operator: scipy.sparse.csr_matrix) -> Operator:
             shape, columns = (operator.shape[0], len(kept)), numbers[operator.indices]
             present = columns >= 0
+            if shape[0] * shape[1] > small:
+                ends = np.concatenate([[0], np.cumsum(present)])[operator.indptr]
+                return scipy.sparse.csr_matrix((operator.data[present], columns[present], ends), shape=shape)
             rows = np.repeat(np.arange(shape[0]), np.diff(operator.indptr))[present]
-            if shape[0] * shape[1] > SMALL:
-                return scipy.sparse.csr_matrix((operator.data[present], (rows, columns[present])), shape=shape)
             dense = np.zeros(shape)
             dense[rows, columns[present]] = operator.data[present]
             return dense

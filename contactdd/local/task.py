@@ -31,6 +31,7 @@ class LocalTask:
         original: The local problem, of the same kind, of the body that this one copies; None if it is no copy.
         signs: (dim,) the ±1 between the components of the original's displacements and this body's.
         collective: From the stiffness matrix that this rank holds to the operator that all ranks apply together.
+        crowded: Whether there are so many bodies that nothing is kept which is mostly zeros or seldom asked for.
     """
 
     body: Any
@@ -40,3 +41,4 @@ class LocalTask:
     original: Any = None
     signs: Floats = field(default_factory=lambda: np.ones(0))
     collective: Callable[[scipy.sparse.csr_matrix], Operator] = field(default_factory=lambda: _alone)
+    crowded: bool = False

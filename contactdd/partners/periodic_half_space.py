@@ -15,6 +15,9 @@ from . import influence
 from .elastic_surface import hats
 from .half_space import HalfSpace
 
+#: Weights of the interpolation that are the rounding of a point's place.
+ROUNDING = 1e-12
+
 
 class PeriodicHalfSpace(HalfSpace):
     """An elastic half-space under pressures that repeat themselves along both sides of a grid.
@@ -93,8 +96,11 @@ class PeriodicHalfSpace(HalfSpace):
         a, b = rows
         first, second = a.indices.reshape(-1, 2, 1) % self.cells[0], b.indices.reshape(-1, 1, 2) % self.cells[1]
         values = (a.data.reshape(-1, 2, 1) * b.data.reshape(-1, 1, 2)).ravel()
-        entries = (values, (np.repeat(np.arange(len(x)), 4), (first * self.cells[1] + second).ravel()))
-        return scipy.sparse.csr_matrix(entries, shape=(len(x), len(self.areas)))
+        starts = 4 * np.arange(len(x) + 1)
+        entries = (np.where(values > ROUNDING, values, 0.0), (first * self.cells[1] + second).ravel(), starts)
+        found = scipy.sparse.csr_matrix(entries, shape=(len(x), len(self.areas)))
+        found.eliminate_zeros()  # at the places themselves there is one entry
+        return found
 
     @property
     def _compliance(self) -> Floats:

@@ -14,7 +14,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..base.arrays import Floats, Operator, slices
-from ..base.sparse import along_diagonal, stacked
+from ..base.sparse import along_diagonal
 from ..interface.discretise import Interface
 from ..layer import Layer
 from ..local.problem import ContactTrace, LocalProblem
@@ -211,9 +211,12 @@ class Ensemble:
 
     @cached_property
     def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
-        """From y to every body's u_n at the points of its contacts, the prescribed part, and where each body begins."""
-        traces = [stacked([port.trace for port in problem.traces]) for problem in self.problems]
+        """The same, or its dense form, the prescribed part, and where each body begins."""
         offsets = [np.concatenate([port.offset for port in problem.traces]) for problem in self.problems]
+        ports = [port for problem in self.problems for port in problem.traces]
+        if not self.dense or not all(isinstance(port.trace, np.ndarray) for port in ports):
+            return self._stacked_traces, np.concatenate(offsets), _starts(offsets)
+        traces = [np.vstack([port.trace for port in problem.traces]) for problem in self.problems]
         return self._along_diagonal(traces), np.concatenate(offsets), _starts(offsets)
 
     @cached_property
@@ -237,11 +240,22 @@ class Ensemble:
             for part, port in ports:
                 total[self.points[port.interface], part] += port.trace
             return total
-        traces = [scipy.sparse.coo_matrix(port.trace) for _, port in ports]
-        rows = [self.points[port.interface].start + t.row for (_, port), t in zip(ports, traces, strict=True)]
-        columns = [part.start + t.col for (part, _), t in zip(ports, traces, strict=True)]
-        entries = (np.concatenate([t.data for t in traces]), (np.concatenate(rows), np.concatenate(columns)))
-        return scipy.sparse.csr_matrix(entries, shape=shape)
+        parts = [self.points[port.interface] for _, port in ports]
+        points = np.concatenate([np.arange(part.start, part.stop) for part in parts])
+        entries = np.ones(len(points)), (points, np.arange(len(points)))
+        approach = scipy.sparse.csr_matrix(entries, shape=(shape[0], len(points))) @ self._stacked_traces
+        approach.sort_indices()
+        return approach
+
+    @cached_property
+    def _stacked_traces(self) -> scipy.sparse.csr_matrix:
+        """From y to every body's u_n at the points of its contacts, but for the prescribed part."""
+        pairs = zip(self.parts, self.problems, strict=True)
+        traces = [(part.start, scipy.sparse.csr_matrix(port.trace)) for part, p in pairs for port in p.traces]
+        starts = np.cumsum(np.concatenate([[0], *(np.diff(trace.indptr) for _, trace in traces)]))
+        columns = np.concatenate([start + trace.indices for start, trace in traces])
+        entries = (np.concatenate([trace.data for _, trace in traces]), columns, starts)
+        return scipy.sparse.csr_matrix(entries, shape=(len(starts) - 1, self.size))
 
     def _full_product(self, shape: tuple[int, int], ports: Sequence[ContactTrace]) -> bool:
         """Whether the contacts' term is best a product of full matrices: not where its map is quicker, and small."""

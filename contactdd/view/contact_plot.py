@@ -1,4 +1,4 @@
-"""Pictures of a contact: curves along it in the plane, a map on its facets in space (matplotlib)."""
+"""Pictures of a contact: curves along it, or in space a map of it (matplotlib)."""
 
 from __future__ import annotations
 
@@ -7,29 +7,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.colors import BoundaryNorm, ListedColormap
 
 from ..base.arrays import Floats
 from ..base.checks import check_choice
 from ..contact_result import ContactResult
-from ..surface_result import STATUS, SurfaceResult
-from .picture import BLUE, GREY, MAP, RED, Figure, with_unit
-
-SHOWN = ("pressure", "gap", "status")
-
-
-#: The colours of the four states of a facet.
-STATUS_COLOURS = ("#ffffff", "#dddddd", "#56B4E9", BLUE)
+from ..surface_result import Surfaces
+from .contact_map import SHOWN, draw_map, window
+from .picture import BLUE, GREY, RED, Figure, short_numbers, with_unit
 
 
 def plot_contact(
     result: ContactResult,
-    surface: SurfaceResult | None,
+    surfaces: Surfaces,
     *,
     along: str | None = None,
     about: Sequence[float] | None = None,
     show: str = "pressure",
+    whole: bool = False,
     path: str | Path | None = None,
     stress_unit: str | None = None,
     length_unit: str | None = None,
@@ -38,12 +32,13 @@ def plot_contact(
 
     Args:
         result: the contact's values at its points.
-        surface: the first body's facets, which a map in space is drawn on.
+        surfaces: the facets of both bodies, which a map in space is drawn on.
         along: what the curves are drawn over: "arc length", "x", "y", or in space "radius", the distance from
             `about`. By default a coordinate where the contact lies along it, else the arc length in the
             plane, and in space a map.
         about: the point that a radius is counted from, by default the centre of pressure.
         show: what a map shows: "pressure", "gap" or "status".
+        whole: whether all of the surface is shown, not only what lies around the closed part.
         path: where it is also saved, vector formats included, by the file's ending.
         stress_unit, length_unit: for the labels.
     """
@@ -53,13 +48,15 @@ def plot_contact(
         check_choice("along", along, choices)
     check_choice("show", show, SHOWN)
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-    if dim == 3 and along is None and surface is not None:
-        _draw_map(figure, surface, show, stress_unit, length_unit)
+    if dim == 3 and along is None and any(surfaces):
+        draw_map(figure, result, surfaces, show, whole, stress_unit, length_unit)
     else:
         along = along or natural_place(result)
-        _draw_curves(figure, result, along, place(result, along, about), stress_unit, length_unit)
+        s = place(result, along, about)
+        shown = _extent(result, along, s, whole)
+        _draw_curves(figure, result, along, s, shown, stress_unit, length_unit)
     if path is not None:
-        figure.savefig(path, dpi=150)
+        figure.save(path)
     return figure
 
 
@@ -82,8 +79,30 @@ def place(result: ContactResult, along: str, about: Sequence[float] | None = Non
     return result.x[:, "xy".index(along)]
 
 
+def place_name(result: ContactResult, along: str) -> str:
+    """The coordinate along a contact in words: of a meridian x is the radius and y the axis."""
+    return {"x": "radius r", "y": "axis z"}.get(along, along) if result.ring else along
+
+
+def _extent(result: ContactResult, along: str, s: Floats, whole: bool) -> tuple[float, float]:
+    """What is shown of a contact whose points are at s (n,): all of its surface or what is around its closed part."""
+    surface = np.array([0.0 if along == "radius" else s.min(), s.max()])
+    if result.corners is not None and along == "arc length":
+        surface = np.array([0.0, np.linalg.norm(np.diff(result.corners, axis=1), axis=2).sum()])
+    elif result.corners is not None and along != "radius":
+        surface = result.corners[:, :, "xy".index(along)].ravel()
+    low, high = window(surface[:, None], s[result.closed & (not whole), None])
+    return float(low[0]), float(high[0])
+
+
 def _draw_curves(
-    figure: Any, result: ContactResult, along: str, s: Floats, stress: str | None, length: str | None
+    figure: Any,
+    result: ContactResult,
+    along: str,
+    s: Floats,
+    shown: tuple[float, float],
+    stress: str | None,
+    length: str | None,
 ) -> None:
     order = np.argsort(s, kind="stable")
     s, p, gap = s[order], result.pressure[order], result.gap[order]
@@ -93,53 +112,31 @@ def _draw_curves(
     bottom.plot(s, gap, color=RED, **lines)
     if along != "radius":
         top.fill_between(s, p, color=BLUE, alpha=0.15)
-        bottom.fill_between(s, gap, 0.0, where=(gap < 0.0) | result.bonded, color=RED, alpha=0.15)
-        turns = np.flatnonzero((gap[1:] < 0.0) != (gap[:-1] < 0.0)) if not result.bonded else np.zeros(0, dtype=int)
-        for edge in s[turns] + gap[turns] / (gap[turns] - gap[turns + 1]) * (s[turns + 1] - s[turns]):
-            for axes in (top, bottom):
-                axes.axvline(edge, color=GREY, linewidth=0.8, linestyle=":")
+        bottom.fill_between(s, gap, 0.0, where=result.closed[order], color=RED, alpha=0.15)
+        _mark_edges((top, bottom), s, result._opening[order])
     bottom.axhline(0.0, color=GREY, linewidth=0.8)
     top.set_ylabel(with_unit("contact pressure", stress))
+    bottom.set_ylabel(with_unit("deformed gap", length))
+    bottom.set_xlabel(with_unit(place_name(result, along), length))
+    bottom.set_xlim(shown)
+    inside = gap[(s >= shown[0]) & (s <= shown[1])]
+    low, high = min(float(inside.min()), 0.0), max(float(inside.max()), 0.0)
+    bottom.set_ylim(low - 0.05 * (high - low), high + 0.05 * (high - low))
     if result.bonded:
         top.axhline(0.0, color=GREY, linewidth=0.8)
     else:
         top.set_ylim(bottom=0.0)
-    bottom.set_ylabel(with_unit("deformed gap z", length))
-    name = {"x": "radius r", "y": "axis z"}.get(along, along) if result.ring else along
-    bottom.set_xlabel(with_unit(name, length))
     for axes in (top, bottom):
-        axes.margins(x=0.0)
         axes.spines[["top", "right"]].set_visible(False)
+        short_numbers(axes.yaxis)
+    short_numbers(bottom.xaxis)
+    figure.align_ylabels()
 
 
-def _draw_map(figure: Any, surface: SurfaceResult, show: str, stress: str | None, length: str | None) -> None:
-    """The facets, each in one colour, and the edge of contact."""
-    axes = figure.subplots()
-    outlines = surface.outlines
-    first, second = sorted(int(axis) for axis in np.argsort(np.ptp(outlines.reshape(-1, 3), axis=0))[1:])
-    facets = PolyCollection(list(outlines[:, :, [first, second]]), linewidths=0.15, edgecolors="face")
-    values = {"pressure": surface.pressure, "gap": surface.gap, "status": surface.status}[show]
-    facets.set_array(values)
-    if show == "status":
-        facets.set_cmap(ListedColormap(list(STATUS_COLOURS)))
-        facets.set_norm(BoundaryNorm(np.arange(-0.5, 4.0), 4))
-        facets.set_edgecolor(GREY)
-    else:
-        facets.set_cmap(MAP)
-    axes.add_collection(facets)
-    edge = surface.edge
-    if show != "status" and len(edge):
-        axes.add_collection(LineCollection(list(edge[:, :, [first, second]]), colors="white", linewidths=1.4))
-        axes.add_collection(LineCollection(list(edge[:, :, [first, second]]), colors="black", linewidths=0.6))
-    label = {"pressure": with_unit("contact pressure", stress), "gap": with_unit("deformed gap z", length)}
-    width, height = np.ptp(outlines.reshape(-1, 3), axis=0)[[first, second]]
-    wide = width > 1.5 * height
-    if wide:
-        figure.set_size_inches(7.0, min(4.6, 2.0 + 6.0 * height / width))
-    bar = figure.colorbar(facets, ax=axes, label=label.get(show, ""), location="bottom" if wide else "right")
-    if show == "status":
-        bar.set_ticks(list(STATUS), labels=list(STATUS.values()))
-    axes.autoscale_view()
-    axes.set_aspect("equal")
-    axes.set_xlabel(with_unit("xyz"[first], length))
-    axes.set_ylabel(with_unit("xyz"[second], length))
+def _mark_edges(panels: Sequence[Any], s: Floats, opening: Floats) -> None:
+    """Mark where a contact opens: where `opening` (n,) changes its sign over s (n,)."""
+    turns = np.flatnonzero((opening[1:] < 0.0) != (opening[:-1] < 0.0))
+    share = opening[turns] / (opening[turns] - opening[turns + 1])
+    for edge in s[turns] + share * (s[turns + 1] - s[turns]):
+        for axes in panels:
+            axes.axvline(edge, color=GREY, linewidth=0.8, linestyle=":")

@@ -13,7 +13,7 @@ from matplotlib.colors import LogNorm
 
 from ..base.arrays import TINY, Floats
 from ..contact_result import ContactResult
-from .contact_plot import natural_place, place
+from .contact_plot import natural_place, place, place_name
 from .picture import BLUE, MAP, RED, Figure, with_unit
 
 #: The decades of errors that are told apart by colour; smaller ones look alike.
@@ -65,7 +65,7 @@ def plot_error(
     if bodies:
         _draw_bodies(figure, figure.add_subplot(grid[rows, :]), bodies, stress_unit, length_unit)
     if path is not None:
-        figure.savefig(path, dpi=150)
+        figure.save(path)
     return figure
 
 
@@ -78,7 +78,7 @@ def _draw_contact(axes: Any, contact: ContactError, stress: str | None, length: 
     axes.plot(s, p, color=BLUE, **lines)
     axes.set_ylim(bottom=0.0)
     axes.set_title(contact.name, fontsize="medium")
-    axes.set_xlabel(with_unit(along, length))
+    axes.set_xlabel(with_unit(place_name(contact.result, along), length))
     axes.set_ylabel(with_unit("contact pressure", stress), color=BLUE)
     other = axes.twinx()
     largest = max(float(error.max()), TINY)

@@ -13,9 +13,11 @@ import numpy as np
 from ..base.checks import as_count, positive
 from ..body_result import BodyResult
 from ..contact_result import ContactResult
-from .body_plot import normal_component, plot_bodies, round_limits, shown, visible_scale
-from .contact_plot import natural_place, place
-from .picture import MAP, Figure, Picture, with_unit
+from .body_plot import Drawing, drawing
+from .contact_plot import natural_place, place, place_name
+from .frame import framed
+from .movie import WRITERS
+from .picture import MAP, Figure, Picture, short_numbers, with_unit
 
 #: The bodies of every step.
 Steps = Sequence[Sequence[BodyResult]]
@@ -36,60 +38,61 @@ def plot_steps(
     along = along or natural_place(results[0])
     figure = Figure(figsize=(7.0, 4.6), layout="constrained")
     axes = figure.subplots()
+    widths = np.linspace(3.0, 1.2, len(results))  # so that one that comes back to another hides it not
     colours = matplotlib.colormaps[MAP](np.linspace(0.0, 0.85, len(results)))
-    for result, label, colour in zip(results, labels, colours, strict=True):
+    for index, (result, label) in enumerate(zip(results, labels, strict=True)):
         s = place(result, along)
         order = np.argsort(s, kind="stable")
-        axes.plot(s[order], result.pressure[order], color=colour, label=label)
-    axes.set_xlabel(with_unit(along, length_unit))
+        axes.plot(s[order], result.pressure[order], color=colours[index], linewidth=widths[index], label=label)
+    axes.set_xlabel(with_unit(place_name(results[0], along), length_unit))
     axes.set_ylabel(with_unit("contact pressure", stress_unit))
     axes.set_ylim(bottom=0.0)
     axes.margins(x=0.0)
+    short_numbers(axes.yaxis)
     axes.spines[["top", "right"]].set_visible(False)
-    axes.legend(frameon=False)
+    axes.legend(frameon=False, ncols=1 + len(labels) // 9)
     if path is not None:
-        figure.savefig(path, dpi=150)
+        figure.save(path)
     return figure
 
 
 def plot_multiples(
-    steps: Steps, labels: Sequence[str], *, columns: int = 3, path: str | Path | None = None, **options: Any
-) -> Figure:
-    """A figure of all steps' bodies beside each other, drawn alike; options: of `plot_bodies`."""
-    pictures = _alike(steps, labels, options)
-    columns = min(as_count("columns", columns), len(pictures))
-    rows = -(-len(pictures) // columns)
-    figure = Figure(figsize=(4.2 * columns, 2.8 * rows), layout="constrained")
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    for panel, picture in zip(panels, pictures, strict=False):
-        panel.imshow(picture.pixels)
-    for panel in panels:
-        panel.set_axis_off()
-    if path is not None:
-        figure.savefig(path, dpi=200)
-    return figure
+    steps: Steps,
+    labels: Sequence[str],
+    *,
+    columns: int = 3,
+    size: tuple[int, int] | None = None,
+    path: str | Path | None = None,
+    **options: Any,
+) -> Picture:
+    """A picture of all steps' bodies beside each other, drawn alike; size: in pixels; options: of `drawing`."""
+    columns = min(as_count("columns", columns), len(steps))
+    size = size or (1600, 200 - (-len(steps) // columns) * (80 + 1000 // columns))
+    drawn = _alike(steps, options)
+    return framed([drawn.coloured(bodies) for bodies in steps], labels, drawn.frame, size, columns=columns, path=path)
 
 
 def animate(
-    steps: Steps, labels: Sequence[str], path: str | PathLike[str], *, per_second: float = 4.0, **options: Any
+    steps: Steps,
+    labels: Sequence[str],
+    path: str | PathLike[str],
+    *,
+    per_second: float = 4.0,
+    size: tuple[int, int] = (1200, 800),
+    **options: Any,
 ) -> Path:
-    """The animation written as a GIF, one frame a step, drawn alike; options: of `plot_bodies`."""
-    from PIL import Image
-
-    file = Path(path)
-    if file.suffix.lower() != ".gif":
-        raise ValueError(f"path = {str(path)!r}: expected a name that ends in .gif")
-    time = 1000.0 / positive("per_second", per_second)
-    first, *others = (Image.fromarray(picture.pixels) for picture in _alike(steps, labels, options))
-    first.save(file, save_all=True, append_images=others, duration=time, loop=0)
+    """The animation written, a GIF or an MP4, one frame a step, drawn alike; options: of `drawing`."""
+    file, per_second = Path(path), positive("per_second", per_second)
+    write = WRITERS.get(file.suffix.lower())
+    if write is None:
+        raise ValueError(f"path = {str(path)!r}: expected a name that ends in .gif or .mp4")
+    drawn = _alike(steps, options)
+    panels = ([drawn.coloured(bodies)] for bodies in steps)
+    frames = (framed(panel, [label], drawn.frame, size).pixels for panel, label in zip(panels, labels, strict=True))
+    write(file, frames, per_second)
     return file
 
 
-def _alike(steps: Steps, labels: Sequence[str], options: Mapping[str, Any]) -> list[Picture]:
-    """The pictures of all steps with one enlargement, one component and one scale of colours."""
-    everything = [body for bodies in steps for body in bodies]
-    component = options.get("component") or normal_component(everything)
-    limits = options.get("limits") or round_limits([shown(body, component) for body in everything])[0]
-    scale = options.get("scale") or visible_scale(everything)
-    common = {**options, "component": component, "limits": limits, "scale": scale}
-    return [plot_bodies(bodies, **{"title": label, **common}) for bodies, label in zip(steps, labels, strict=True)]
+def _alike(steps: Steps, options: Mapping[str, Any]) -> Drawing:
+    """One enlargement, one component and one scale of colours for all steps."""
+    return drawing([body for bodies in steps for body in bodies], **options)

@@ -33,18 +33,13 @@ def heights(count: int, cutoff: int, seed: int = 0) -> np.ndarray:
     return ROUGHNESS * surface / surface.std()
 
 
-def pressed(surface: np.ndarray, layer: cd.Layer, force: float) -> tuple[cd.Solution, float]:
+def pressed(surface: np.ndarray, layer: cd.Layer | cd.HardContact, force: float) -> tuple[cd.Solution, float]:
     """The solution under a force, and the CPU seconds that it took."""
-    count, gap = len(surface), surface.max() - surface
+    count, gap = len(surface), cd.SurfaceHeights(surface, (1.0, 1.0), periodic=True)
     ground = cd.PeriodicHalfSpace("ground", cd.Isotropic(MODULUS, 0.0), (1.0, 1.0), (count, count))
     plate = cd.RigidBody("plate", cd.Plane((0, 0, 0), (0, 0, -1)), displacement=(0, 0, None), force=(0, 0, -force))
-
-    def at(x: np.ndarray) -> np.ndarray:
-        i, j = np.rint((x[:2] + 0.5) * count - 0.5).astype(int)
-        return gap[i, j]
-
     began = time.process_time()
-    solution = cd.solve(cd.Scene([ground, plate], [cd.Contact(ground, plate, layer, gap=at)]), progress=False)
+    solution = cd.solve(cd.Scene([ground, plate], [cd.Contact(ground, plate, layer, gap=gap)]), progress=False)
     return solution, time.process_time() - began
 
 

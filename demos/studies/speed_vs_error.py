@@ -39,10 +39,12 @@ WAYS = {
         "decomposed, condensed",
         "decomposed, assembled",
     ),
-    "ngsolve": ("pcg", "newton"),
+    "ngsolve": ("pcg", "pcg, cholmod", "newton"),
     "skfem": ("pcg", "newton"),
     "getfem": ("newton",),
 }
+#: What a way needs beside its package.
+NEEDED = {"pcg, cholmod": "sksparse"}
 MODULES = {"ngsolve": "NGSolve", "skfem": "scikit-fem", "getfem": "GetFEM"}
 #: Error levels of the table.
 LEVELS = (1.5e-2, 5e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6)
@@ -100,8 +102,9 @@ def configurations(quick: bool) -> Iterator[tuple[str, str, Case]]:
         if package in MODULES and importlib.util.find_spec(package) is None:
             print(f"{MODULES[package]} is not installed here, and left out")
             continue
+        there = [way for way in ways if way not in NEEDED or importlib.util.find_spec(NEEDED[way]) is not None]
         for case in cases(quick):
-            for way in ways:
+            for way in there:
                 if not too_slow(package, way, case):
                     yield package, way, case
 

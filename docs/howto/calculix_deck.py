@@ -2,8 +2,9 @@
 # # Coming from Abaqus or CalculiX: a deck as a scene
 #
 # `cd.read_scene` takes a whole deck: mesh, `*ELASTIC`, `*EXPANSION`, `*SURFACE BEHAVIOR` (linear, exponential, tabular,
-# hard), `*CONTACT PAIR`, `*CLEARANCE`, `*BOUNDARY`, `*CLOAD`, `*DLOAD`, `*DSLOAD`, `*TEMPERATURE`. What changes the
-# solution and is not understood is listed and refused; what of it may be left out is yours to say, by `ignore=[...]`.
+# hard), `*CONTACT PAIR`, `*CLEARANCE`, `*BOUNDARY`, `*CLOAD`, `*DLOAD`, `*DSLOAD`, `*TEMPERATURE`, `*AMPLITUDE`; the
+# loads and supports at the end of the last step count. What changes the solution and is not understood is listed and
+# refused; what of it may be left out is yours to say, by `ignore=[...]`.
 #
 # Here a ring is pressed into another one, too large by $\delta = 10^{-4}$, through a linear pressure–overclosure $k$.
 # Lamé's rings (free ends) of inner, common and outer radius $i, c, o$ give

@@ -40,8 +40,9 @@ print(f"relative error of the pressure: estimated {estimated:.2e}, true {true:.2
 assert 0.5 < estimated / true < 2  # it was 0.76 to 1.5 in all that was measured
 
 # %% [markdown]
-# Now to one in two thousand. The cells are halved where they carry most of the error, here around the edge of the
-# contact and the peak beside it; each round starts from the last solution, and tells what it cost.
+# Now to one in two thousand. Cells are halved where they carry most of the error, here around the edge of the contact
+# and the peak beside it; then nodes move until sizes vary smoothly, with one where contact ends. Each round tells what
+# it cost.
 
 # %%
 adaptation = cd.adapt(scene, accuracy=5e-4)

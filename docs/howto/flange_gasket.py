@@ -52,7 +52,7 @@ path = cd.programme(scene, pressure, [0, 2, 4, 6, 8], record=record)
 for p, force, inner in zip(path.values, *path.records.values(), strict=True):
     tight = "tight" if inner > p else "LEAKS"
     print(f"{p:3.0f} MPa inside: {force / 1e3:6.1f} kN on the gasket, {inner:5.1f} MPa at its inner edge, {tight}")
-path.plot_contact(path="gasket.png", stress_unit="MPa", length_unit="mm")
+path.plot_contact(label="{value} MPa inside", path="gasket.png", stress_unit="MPa", length_unit="mm")
 
 # %% [markdown]
 # The bolts turn the flange over its gasket: it is pressed hardest at its outer edge, and the pressure in the pipe takes

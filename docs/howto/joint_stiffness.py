@@ -42,11 +42,9 @@ for d, p, K in zip(path.values, path.records["p"], path.records["K"], strict=Tru
 # Stiffness over pressure, from the path's table (`path.frame()` is the same for pandas, `path.to_csv` a file):
 
 # %%
-from matplotlib.figure import Figure
+import matplotlib.pyplot as plt
 
-figure = Figure(figsize=(6, 3.6), layout="constrained")
-axes = figure.subplots()
+figure, axes = plt.subplots(figsize=(6, 3.6), layout="constrained")
 axes.plot(path.records["p"], path.records["K"], "o-", color="#0072B2")
 axes.set(xlabel="pressure in the joint [MPa]", ylabel="K [N/mm per mm]", ylim=(0, None), xlim=(0, None))
 figure.savefig("stiffness.png", dpi=120)
-figure

@@ -36,7 +36,7 @@ path = cd.programme(cd.Scene([pier, bearing], [contact]), load, cycle, record=re
 path.to_csv("cycle.csv")
 for step, (q, force, width) in enumerate(zip(path.values, *path.records.values(), strict=True), 1):
     print(f"step {step}: {q:.0f} MPa, force {force:6.1f} N/mm, in contact {width:5.2f} mm")
-path.plot_contact(path="steps.png", stress_unit="MPa", length_unit="mm")
+path.plot_contact(label="step {step}: {value} MPa", path="steps.png", stress_unit="MPa", length_unit="mm")
 
 # %%
 path.plot_bodies(columns=2, component="yy", unit="MPa", path="multiples.png")

@@ -40,10 +40,9 @@ for h in (0.002, 0.01, 0.05, 0.2):
 # pandas, `to_csv` to a file.
 
 # %%
-from matplotlib.figure import Figure
+import matplotlib.pyplot as plt
 
-figure = Figure(figsize=(7, 4), layout="constrained")
-axes = figure.subplots()
+figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
 colours = ("#0072B2", "#009E73", "#E69F00", "#D55E00")
 for (h, solution), colour in zip(solutions.items(), colours, strict=True):
     result = solution.contact().sorted()
@@ -51,4 +50,3 @@ for (h, solution), colour in zip(solutions.items(), colours, strict=True):
 axes.set(xlabel="x [mm]", ylabel="pressure [MPa]", ylim=(0, None))
 axes.legend(frameon=False)
 figure.savefig("punch.png", dpi=120)
-figure

@@ -46,10 +46,9 @@ for thickness, solution in solutions.items():
 # and a higher peak. The pressures over the radius:
 
 # %%
-from matplotlib.figure import Figure
+import matplotlib.pyplot as plt
 
-figure = Figure(figsize=(7, 4), layout="constrained")
-axes = figure.subplots()
+figure, axes = plt.subplots(figsize=(7, 4), layout="constrained")
 for (thickness, solution), colour in zip(solutions.items(), ("#0072B2", "#009E73", "#E69F00", "#D55E00"), strict=True):
     disc = solution.contact().sorted()
     axes.plot(disc.x[:, 0] / a, disc.pressure, color=colour, label=f"{thickness} a thick")
@@ -58,7 +57,6 @@ axes.plot(r, hertz.peak_pressure * np.sqrt(1 - r**2), "k:", label="Hertz")
 axes.set(xlabel="r / a", ylabel="pressure [MPa]", xlim=(0, 1.3), ylim=(0, None))
 axes.legend(frameon=False)
 figure.savefig("sphere.png", dpi=120)
-figure
 
 # %% [markdown]
 # Against Hertz, radius and peak of the thick plate:

@@ -1,8 +1,7 @@
 """The dimple with NGSolve: Newton's method on both blocks, cells condensed, one preconditioner for all steps.
 
 One mesh, in which both blocks have displacements of their own that meet along the contact. The preconditioner holds
-each block by a Robin term of its own; ways: "sparsecholesky", NGSolve's own factor; "cholmod", that of SuiteSparse with
-METIS; "pyamg", smoothed aggregation with the rigid motions.
+each block by a Robin term of its own; the ways to make it are those of `inverse_in_ngsolve`.
 """
 
 from __future__ import annotations
@@ -11,11 +10,11 @@ from typing import Any
 
 import ngsolve as ng
 import numpy as np
-import scipy.sparse
 from dimple import DEPTH, LAYER, LOAD, RADIUS, STEEL, TOLERANCE, Cells, gap
 from netgen.meshing import Mesh
 from ngsolve import ds, dx
 
+from .inverse_in_ngsolve import inverted
 from .newton_in_ngsolve import conjugate_gradients, law, newton, stored
 
 ng.SetNumThreads(1)
@@ -50,7 +49,7 @@ def solved(cells: Cells, way: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
     fixed = ng.BilinearForm(elastic + typical * apart * contact, symmetric=True, condense=True).Assemble()
     free = ng.BitArray(space.FreeDofs(True))
     projector = ng.Projector(free, True)
-    inverse = _inverse(fixed.mat, free, way, spaces)
+    inverse = inverted(fixed.mat, free, way, lambda: _rigid(spaces))
     force = ng.LinearForm((pressure * v_closing - typical * now_apart) * contact)
     change_form = (slope * closing * v_closing - typical * apart) * contact
     change = ng.BilinearForm(change_form, symmetric=True, check_unused=False)
@@ -76,57 +75,6 @@ def solved(cells: Cells, way: str) -> tuple[np.ndarray, np.ndarray, np.ndarray, 
 def _gap() -> Any:
     room = 1 - (ng.x**2 + ng.y**2) / RADIUS**2
     return DEPTH * ng.IfPos(room, room, 0) ** 1.5
-
-
-def _inverse(matrix: Any, free: Any, way: str, spaces: list[Any]) -> Any:
-    """The inverse of the matrix in the free unknowns, or what approximates it."""
-    if way == "sparsecholesky":
-        return matrix.Inverse(free, way)
-    kept = np.flatnonzero(np.array(list(free)))
-    rows, columns, values = map(np.asarray, matrix.COO())
-    lower = scipy.sparse.csr_matrix((values, (rows, columns)), shape=(matrix.height,) * 2)[kept][:, kept]
-    lower = scipy.sparse.tril(lower).tocsr()
-    if way == "cholmod":
-        from sksparse.cholmod import cho_factor
-
-        solve = cho_factor(scipy.sparse.csc_array(lower), lower=True, order="metis", supernodal_mode="supernodal").solve
-    else:
-        import pyamg
-
-        full = (lower + scipy.sparse.tril(lower, -1).T).tocsr()
-        smoother = ("gauss_seidel", {"sweep": "symmetric"})
-        made = pyamg.smoothed_aggregation_solver(
-            full, B=_rigid(spaces)[kept], presmoother=smoother, postsmoother=smoother, max_coarse=300
-        )
-        solve = made.aspreconditioner(cycle="V").matvec
-    return _Outer(matrix.height, kept, solve)
-
-
-class _Outer(ng.BaseMatrix):
-    """A solver of SciPy's world on the kept unknowns."""
-
-    def __init__(self, size: int, kept: np.ndarray, solve: Any) -> None:
-        super().__init__()
-        self._size, self._kept, self._solve = size, kept, solve
-
-    def Mult(self, x: Any, y: Any) -> None:
-        y[:] = 0
-        y.FV().NumPy()[self._kept] = self._solve(x.FV().NumPy()[self._kept])
-
-    def Height(self) -> int:
-        return self._size
-
-    def Width(self) -> int:
-        return self._size
-
-    def IsComplex(self) -> bool:
-        return False
-
-    def CreateRowVector(self) -> Any:
-        return ng.BaseVector(self._size)
-
-    def CreateColVector(self) -> Any:
-        return ng.BaseVector(self._size)
 
 
 def _rigid(spaces: list[Any]) -> np.ndarray:

@@ -2,16 +2,19 @@
 
 One mesh, in which both bodies have displacements of their own that meet along the contact. Two ways to solve a step:
 "newton" assembles and factors everything every time, "pcg" does it once, with the contact closed, as the preconditioner
-of conjugate gradients. The unknowns inside the cells are condensed in both.
+of conjugate gradients; "pcg, cholmod" lets SuiteSparse factor. The unknowns inside the cells are condensed in all.
 """
 
 from __future__ import annotations
+
+from functools import partial
 
 import ngsolve as ng
 import numpy as np
 from netgen.meshing import Mesh
 from ngsolve import ds, dx
 
+from .inverse_in_ngsolve import inverted
 from .newton_in_ngsolve import conjugate_gradients, law, newton, stored
 from .problem import (
     DEPTH,
@@ -33,9 +36,12 @@ from .problem import (
 
 ng.SetNumThreads(1)
 
+#: What inverts the preconditioner's matrix.
+INVERSES = {"pcg": "sparsecholesky", "pcg, cholmod": "cholmod"}
+
 
 def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
-    """The groove on triangles or quadrilaterals of that degree by "newton" or "pcg"."""
+    """The groove on triangles or quadrilaterals of that degree by "newton", "pcg" or "pcg, cholmod"."""
     mesh = _mesh(grid, shape)
     spaces = [ng.VectorH1(mesh, order=degree, definedon=body, dirichletx=f"{body}_side") for body in ("lower", "upper")]
     active = [each.FreeDofs() for each in spaces]
@@ -51,9 +57,8 @@ def solve(grid: Grid, shape: str, degree: int, way: str) -> Answer:
     state.components[1].Set(ng.CF((0, -START)))
     z = _gap() - state.components[0][1] + state.components[1][1]
     elastic = stored(u1, v1, LAME, SHEAR) * dx("lower") + stored(u2, v2, LAME, SHEAR) * dx("upper")
-    solve_step, residual = (_by_newton if way == "newton" else _by_pcg)(
-        space, elastic, closing, v_closing, z, contact, load, state
-    )
+    prepare = _by_newton if way == "newton" else partial(_by_pcg, INVERSES[way])
+    solve_step, residual = prepare(space, elastic, closing, v_closing, z, contact, load, state)
     steps = newton(state.vec, solve_step, residual, TOLERANCE * ng.Norm(load.vec))
     lower, upper = _contact_points(mesh, grid, shape)
     values = gap(grid.points[0]) - state.components[0][1](lower).ravel() + state.components[1][1](upper).ravel()
@@ -93,14 +98,14 @@ def _by_newton(space, elastic, closing, v_closing, z, contact, load, state):
     return solve_step, residual
 
 
-def _by_pcg(space, elastic, closing, v_closing, z, contact, load, state):
+def _by_pcg(way, space, elastic, closing, v_closing, z, contact, load, state):
     """All but the contact once."""
     p, slope = law(z, SOFTNESS, EXPONENT)
     typical = float(stiffness(np.array(-START)))
     fixed = ng.BilinearForm(elastic + typical * closing * v_closing * contact, symmetric=True, condense=True).Assemble()
     free = space.FreeDofs(True)
     project = ng.Projector(free, True)
-    inverse = fixed.mat.Inverse(free, "sparsecholesky")
+    inverse = inverted(fixed.mat, free, way)
     now = state.components[0][1] - state.components[1][1]
     force = ng.LinearForm((p - typical * now) * v_closing * contact)
     change = ng.BilinearForm((slope - typical) * closing * v_closing * contact, symmetric=True, check_unused=False)
