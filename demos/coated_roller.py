@@ -27,13 +27,14 @@
 # beside it is held off, so that the nip is narrower.
 
 # %%
+import contactdd as cd  # first: it finds the libraries of dolfinx' wheel, where that is installed
+
+# isort: split
 import dolfinx
 import matplotlib.pyplot as plt
 import numpy as np
 from mpi4py import MPI
 from studies.results import Report
-
-import contactdd as cd
 
 report = Report("coated_roller", "A silicone roller with a thin stiff coating on a rigid plate")
 RADIUS, CORE, SKIN = 20.0, 8.0, 0.1  # mm

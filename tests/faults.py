@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -115,7 +116,13 @@ class Worker:
         return max([int(line.split()[1]) for line in self.log() if line.startswith("at ")], default=0)
 
     def pid(self, rank: int) -> int:
-        return next(int(line.split()[2]) for line in self.log() if line.startswith(f"pid {rank} "))
+        """The process of a rank, as it tells itself: mpirun may hand that on late, or within a line of the other's."""
+        deadline = time.monotonic() + HANG
+        while time.monotonic() < deadline:
+            if told := re.search(rf"pid {rank} (\d+)\D", Path(self._log.name).read_text()):
+                return int(told[1])
+            time.sleep(0.002)
+        raise Fault(f"rank {rank} does not tell its process: " + " | ".join(self.log()[-5:]))
 
     def wait_for(self, iteration: int) -> None:
         """Wait until the run is so far, or over."""
