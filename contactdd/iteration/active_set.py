@@ -25,6 +25,9 @@ from .pressures import Pressures
 from .run import Observer
 from .stopping import PROGRESS, StoppingCriterion, Termination
 
+#: Gaps that are at most this part of the largest displacement are closed.
+ROUNDING = 4 * np.finfo(float).eps
+
 
 class ActiveSetRun:
     """One run with a hard contact: the iterate `state`, whose shifts are the pressures over k, and the `history`."""
@@ -96,7 +99,10 @@ class ActiveSetRun:
         """
         shifts = np.maximum(self._forces, 0.0) / (self._stiffness * self.ensemble.weights)
         shifted = self.ensemble.shifted([shifts])
-        gaps = shifted.gaps(unknowns)
+        (found,) = shifted.gaps(unknowns)
+        # The rounding of motions far larger than what they press in would be forces larger than a small load.
+        closed = np.abs(found + shifts) <= ROUNDING * np.abs(unknowns).max(initial=0.0)
+        gaps = [np.where(closed, -shifts, found)]
         state = State(unknowns, self.ensemble.deformation(unknowns), gaps, gaps, [shifts])
         return state, shifted.forces(state)
 
