@@ -72,9 +72,11 @@ def test_groove(tmp_path):
 
 
 def test_ranks(tmp_path):
-    (row,) = run("studies/ranks", tmp_path, "--quick")
+    found = run("studies/ranks", tmp_path, "--quick")
+    (row,) = found["time"]
     assert row["unknowns"] == 2 * 3 * 5**3
-    assert row["difference"] < 1e-10  # what the ranks compute is the same
+    assert [each["ranks"] for each in found["memory"]] == [1, 2]
+    assert max(each["difference"] for each in [row, *found["memory"]]) < 1e-10  # what the ranks compute is the same
     assert is_picture(tmp_path / "ranks.png")
 
 
