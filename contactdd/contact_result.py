@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -425,8 +426,8 @@ class ContactResult:
         return dict(zip(values, found.T, strict=True))
 
 
-def contacts_html(contacts: Mapping[str, ContactResult]) -> str:
-    """The numbers of contacts by name, in a notebook."""
+def solution_html(status: str, reason: str, method: str, contacts: Mapping[str, ContactResult]) -> str:
+    """How a run ended, and the numbers of its contacts by name, in a notebook."""
     head = ("contact", "peak pressure", "force", "area in contact")
     rows = ((n, f"{r.peak_pressure:.6g}", f"{r.force:.6g}", f"{r.area:.6g}") for n, r in contacts.items())
-    return html_table(head, rows)
+    return f"<p><b>{escape(status)}</b>: {escape(reason)} ({escape(method)})</p>{html_table(head, rows)}"

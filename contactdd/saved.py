@@ -7,7 +7,6 @@ import os
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
-from html import escape
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from .base.arrays import Floats
 from .body_result import BodyResult, SurfaceFit
-from .contact_result import ContactResult, NodalPressure, contacts_html
+from .contact_result import ContactResult, NodalPressure, solution_html
 from .history import History, Record
 from .surface_result import SurfaceResult, Surfaces
 
@@ -160,8 +159,7 @@ class SavedSolution:
         return "\n  ".join(lines + [f"{name}: {result!r}" for name, result in self.contacts.items()])
 
     def _repr_html_(self) -> str:
-        ending = f"<p><b>{escape(self.status)}</b>: {escape(self.reason)} ({escape(self.method)})</p>"
-        return ending + contacts_html(self.contacts)
+        return solution_html(self.status, self.reason, self.method, self.contacts)
 
     def _name(self, contact: str | int) -> str:
         for index, name in enumerate(self.contacts):

@@ -15,7 +15,7 @@ import basix.ufl
 import numpy as np
 
 from .base import compat
-from .base.arrays import Floats, Indices
+from .base.arrays import Floats, Indices, components
 from .base.facets import facet_type, surface_points
 from .base.ranks import Ranks
 from .body import Body
@@ -116,11 +116,6 @@ def _renumbered(table: Indices) -> tuple[Indices, Indices]:
     """The numbers in a table, in order, and the table with their places among these."""
     found, places = np.unique(table, return_inverse=True)
     return found, places.reshape(table.shape)
-
-
-def components(nodes: Indices, dim: int) -> Indices:
-    """The degrees of freedom of nodes."""
-    return np.ravel(nodes[:, None] * dim + np.arange(dim))
 
 
 def made_by_owners(

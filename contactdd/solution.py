@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import cached_property, partial
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -23,7 +22,7 @@ from .base.arrays import Floats
 from .body import Body
 from .body_result import BodyResult
 from .contact import Contact
-from .contact_result import ContactResult, NodalPressure, contacts_html
+from .contact_result import ContactResult, NodalPressure, solution_html
 from .field import inner_element
 from .history import History
 from .interface.discretise import Interface, discretise
@@ -661,8 +660,8 @@ class Solution:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        ending = f"<p><b>{escape(self.status)}</b>: {escape(self.reason)} ({escape(self.method)})</p>"
-        return ending + contacts_html({c.name: self.contact(c) for c in self.scene.contacts})
+        contacts = {c.name: self.contact(c) for c in self.scene.contacts}
+        return solution_html(self.status, self.reason, self.method, contacts)
 
     @cached_property
     def _fields(self) -> list[Fields]:

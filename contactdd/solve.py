@@ -24,7 +24,7 @@ from .iteration.augmented import AugmentedRun
 from .iteration.checkpoint import CheckpointWriter, closures, read
 from .iteration.interruption import interrupts_agreed
 from .iteration.progress import Progress
-from .iteration.run import Run
+from .iteration.run import Observer, Run
 from .iteration.step import Step, find_step
 from .iteration.stopping import StoppingCriterion, Termination
 from .relaxation import Gamma, Relaxation, relaxations
@@ -181,15 +181,7 @@ def solve(
     run = _begun(scene, ensemble, scheme, step, saved, gamma, start, previous)
     writer = CheckpointWriter(file if ranks.comm.rank == 0 else None, every, run) if isinstance(run, Run) else None
     with Progress(shown, rule.tolerance, rule.criterion) as bar, writer or nullcontext():
-        deadline = time.monotonic() + seconds
-
-        def observe(record: Record) -> bool:
-            bar.update(record)
-            if writer is not None:
-                writer.update()
-            return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
-
-        ending = run.iterate(relaxation, rule, observe)
+        ending = run.iterate(relaxation, rule, _observer(bar, writer, callback, seconds))
     end, spent = (ending.status, ending.reason, scheme.name), time.process_time() - began
     solution = Solution(scene, ensemble, run.state, run.history, *end, local_solver, spent)
     warn_of_doubts(solution)
@@ -221,6 +213,24 @@ def _begun(
 
         return ActiveSetRun(ensemble, scene.ranks, scheme, cast("Pressures", step), first)
     return AugmentedRun(ensemble, scene.ranks, scheme, step, first)
+
+
+def _observer(
+    bar: Progress,
+    writer: CheckpointWriter | None,
+    callback: Callable[[Record], bool | None] | None,
+    seconds: float,
+) -> Observer:
+    """What shows, keeps and passes on every iteration, and ends the run if the callback says so or the time is over."""
+    deadline = time.monotonic() + seconds
+
+    def observe(record: Record) -> bool:
+        bar.update(record)
+        if writer is not None:
+            writer.update()
+        return bool(callback is not None and callback(record)) or time.monotonic() >= deadline
+
+    return observe
 
 
 def _remembering(scene: Scene, file: Path) -> Scene:

@@ -72,6 +72,15 @@ def launch(ranks: int, code: str, *arguments: str, timeout: float = 120) -> subp
     return subprocess.CompletedProcess(command, process.returncode, out, error)
 
 
+def all_ranks_say(done: subprocess.CompletedProcess, message: str) -> None:
+    """Assert that each of two ranks has ended with one line "rank … says …" that has the message in it."""
+    assert done.returncode == 3, done.stderr
+    for rank in range(2):
+        said = [line for line in done.stdout.splitlines() if line.startswith(f"rank {rank} says")]
+        assert len(said) == 1, done.stdout + done.stderr
+        assert message in said[0]
+
+
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
     file = tmp_path_factory.mktemp("ranks") / "alone.npz"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pickle
 
 import pytest
-from test_ranks import SCENE, launch
+from test_ranks import SCENE, all_ranks_say, launch
 
 import contactdd as cd
 from contactdd.base.ranks import _portable
@@ -139,11 +139,7 @@ def test_all_ranks_end_together(what):
     done = launch(2, f"{SCENE}\ntry:\n{marked}\nexcept BaseException as error:\n"
                      "    print('rank', comm.rank, 'says', type(error).__name__ + ':', error, flush=True)\n"
                      "    raise SystemExit(3)\n")  # fmt: skip
-    assert done.returncode == 3, done.stderr
-    for rank in range(2):
-        said = [line for line in done.stdout.splitlines() if line.startswith(f"rank {rank} says")]
-        assert len(said) == 1, done.stdout + done.stderr
-        assert message in said[0]
+    all_ranks_say(done, message)
 
 
 def test_ranks_go_on_after_an_error():

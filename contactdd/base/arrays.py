@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable
 from typing import Any, Union
 
@@ -19,6 +20,16 @@ Operator = Union["scipy.sparse.csr_matrix", NDArray[np.float64]]  # type: ignore
 
 #: The smallest positive number of full precision, below what may be 0 and is divided by.
 TINY = float(np.finfo(float).tiny)
+
+
+def norm(vector: Floats) -> float:
+    """The Euclidean norm."""
+    return math.sqrt(vector @ vector)
+
+
+def components(nodes: Integers, dim: int) -> Indices:
+    """The degrees of freedom of nodes, of whatever shape, one after another."""
+    return np.asarray(nodes[..., None] * dim + np.arange(dim), dtype=np.intp).ravel()
 
 
 def slices(sizes: Iterable[int]) -> list[slice]:

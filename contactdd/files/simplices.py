@@ -10,6 +10,7 @@ from collections.abc import Set
 import numpy as np
 
 from ..base.arrays import Floats, Integers
+from ..base.triangles import areas
 from .kinds import SIDES, Kind
 
 TRIANGLES = {1: Kind("triangle", 3), 2: Kind("triangle", 6)}
@@ -41,11 +42,10 @@ def halves(nodes: Integers, x: Floats) -> Integers:
 
     Where both cuts are alike, as in a square, it is the one through the node of the smallest number.
     """
-    corners = x[nodes[:, :4]]
-    areas = np.array([[_doubled_areas(corners[:, half[:3]]) for half in cut] for cut in HALVES])
-    areas = (areas * np.sign(areas[0].sum(axis=0))).min(axis=1)
-    alike = np.abs(areas[0] - areas[1]) <= 1e-6 * areas.max(axis=0)
-    return _cut(nodes, np.where(alike, _from_first(nodes), areas[0] > areas[1]))
+    both = np.array([[areas(x[:, :2], nodes[:, half[:3]]) for half in cut] for cut in HALVES])
+    smaller = (both * np.sign(both[0].sum(axis=0))).min(axis=1)
+    alike = np.abs(smaller[0] - smaller[1]) <= 1e-6 * smaller.max(axis=0)
+    return _cut(nodes, np.where(alike, _from_first(nodes), smaller[0] > smaller[1]))
 
 
 def side_halves(nodes: Integers) -> Integers:
@@ -90,9 +90,3 @@ def _cut(nodes: Integers, from_first: Integers) -> Integers:
     count = 3 if nodes.shape[1] == 4 else 6
     one, other = (nodes[:, [half[:count] for half in cut]] for cut in HALVES)
     return np.where(from_first[:, None, None], one, other).reshape(-1, count)
-
-
-def _doubled_areas(corners: Floats) -> Floats:
-    """Twice the areas, with their signs, of triangles (cells, 3, 3) in a plane z = constant."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -96,5 +95,5 @@ def _moved(first: Interface, index: int, contact: Contact, places: Places, move:
         side,
         body=places[index],
         surface=side.meshed.copied(body, surface, move),
-        make_transfer=partial(getattr, side, "transfer"),
+        make_transfer=lambda: side.transfer,
     )

@@ -17,7 +17,7 @@ import scipy
 from numpy.typing import NDArray
 
 from ..base import compat
-from ..base.arrays import Floats, Indices
+from ..base.arrays import Floats, Indices, components
 from ..base.basis import basis_values
 from ..base.facets import FacetPoints, dot, facet_map, facet_type, surface_points
 from .overlap import meet_line
@@ -170,7 +170,7 @@ class SmoothPoints:
         nodes = space.dofmap.list[cells[:, None], np.array(basix.topology(space.mesh.basix_cell())[dim - 1])[local]]
         edges = self.shape.edges(self.facets)
         parts = (self.shape.rise_by_edges(self.facets, self.local) / dot(edges, edges))[..., None] * edges
-        columns = [(nodes[:, ends[:, end], None] * dim + np.arange(dim)).ravel() for end in (0, 1)]
+        columns = [components(nodes[:, ends[:, end]], dim) for end in (0, 1)]
         rows = np.repeat(np.arange(len(cells)), parts[0].size)
         entries = (np.concatenate([-parts.ravel(), parts.ravel()]), (np.tile(rows, 2), np.concatenate(columns)))
         trace = scipy.sparse.csr_matrix(entries, shape=(len(cells), dim * space.dofmap.index_map.size_local))

@@ -12,13 +12,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..base.arrays import Floats
+from ..base.arrays import Floats, norm
 from ..base.ranks import Ranks
 from ..errors import LooseBodyError
 from ..history import History, Record
 from ..relaxation import Relaxation
 from ..scheme import Scheme
-from ..system.ensemble import Ensemble, Forces, norm
+from ..system.ensemble import Ensemble, Forces
 from ..system.equilibrium import unbounded_motion
 from ..system.state import State
 from .pressures import Pressures

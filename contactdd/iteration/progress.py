@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..base.notebook import in_notebook
 from ..history import Record
 
 #: How long a run goes on before its bar appears, since what ends sooner needs none, and how often it moves, in seconds.
@@ -87,23 +88,14 @@ class NotebookBar:
         self._output.update(self._html(""))
 
 
-def _in_notebook() -> bool:
-    """Whether a kernel runs this; that its package is imported says little."""
-    if "ipykernel" not in sys.modules:
-        return False
-    from IPython import get_ipython
-
-    return getattr(get_ipython(), "kernel", None) is not None
-
-
 def _watched() -> bool:
-    if hasattr(sys, "ps1") or _in_notebook():
+    if hasattr(sys, "ps1") or in_notebook():
         return True
     return bool(sys.stderr is not None and sys.stderr.isatty())
 
 
 def _bar() -> TerminalBar | NotebookBar | None:
     try:
-        return NotebookBar() if _in_notebook() else TerminalBar()
+        return NotebookBar() if in_notebook() else TerminalBar()
     except ImportError:
         return None

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..base.arrays import Floats
+from ..base.arrays import Floats, norm
 from ..base.ranks import Ranks
 from ..contact_sides import ContactSides, sides_of_contacts
 from ..errors import LooseBodyError
@@ -19,7 +19,7 @@ from ..history import History, Record
 from ..interface.discretise import Interface
 from ..relaxation import Correction, Relaxation
 from ..scheme import Scheme
-from ..system.ensemble import Ensemble, Forces, joined, norm
+from ..system.ensemble import Ensemble, Forces, joined
 from ..system.equilibrium import BALANCED, unbounded_motion
 from ..system.state import State
 from .anderson import Anderson

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..base.arrays import Floats
+from ..base.arrays import Floats, norm
 from ..base.ranks import Ranks
 from ..scheme import SCHEMES
-from ..system.ensemble import Ensemble, norm
+from ..system.ensemble import Ensemble
 from .step import find_step
 
 #: The residual of the linear problem, relative to its right-hand side, that counts as solved: rounding of large scenes.

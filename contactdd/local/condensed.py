@@ -11,7 +11,7 @@ import numpy as np
 import scipy
 from mpi4py import MPI
 
-from ..base.arrays import Floats, Indices
+from ..base.arrays import Floats, Indices, components
 from ..interface.discretise import InterfaceSide
 from .affine import cell_nodes
 from .condensation import Condensation, ElementCondensation, MirroredCondensation, SmallCondensation, SparseCondensation
@@ -183,7 +183,7 @@ def touched_unknowns(dofs: DiscreteBody, sides: Sequence[tuple[int, InterfaceSid
         return kept
     dim = dofs.body.mesh.dim
     nodes = np.unique(touched // dim)  # also those at which a support holds all that the contact would touch
-    return space.unknowns_at((nodes[:, None] * dim + np.arange(dim)).ravel())
+    return space.unknowns_at(components(nodes, dim))
 
 
 def condense(dofs: DiscreteBody, kept: Indices, comm: MPI.Comm = MPI.COMM_SELF) -> Condensation:

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 import numpy as np
 import scipy
 
-from ..base.arrays import Floats, Indices, Operator
+from ..base.arrays import Floats, Indices, Operator, norm
 from ..body import Body
 from ..interface.discretise import InterfaceSide
 from .problem import BodyDofs, ContactTrace, Fields, LocalProblem, Solver, rigid_motions
@@ -51,9 +51,9 @@ def load_sizes(dofs: Any) -> Floats:
         return dofs.sizes
     strains = eigenstrain_load(dofs)
     if strains is None:
-        size = _norm(dofs.free_forces(dofs.load))
+        size = norm(dofs.free_forces(dofs.load))
         return np.array([size, size, 0.0])
-    return np.array([_norm(dofs.free_forces(each)) for each in (dofs.load, dofs.load - strains, strains)])
+    return np.array([norm(dofs.free_forces(each)) for each in (dofs.load, dofs.load - strains, strains)])
 
 
 def eigenstrain_load(dofs: Any) -> Floats | None:
@@ -67,10 +67,6 @@ def work_of_loads(dofs: Any, coefficients: Floats) -> Floats:
     if isinstance(dofs, SharedDofs):
         return coefficients.T @ dofs.work
     return dofs.rigid_displacements(coefficients).T @ dofs.load
-
-
-def _norm(vector: Floats) -> float:
-    return float(np.sqrt(vector @ vector))
 
 
 @dataclass(frozen=True)

@@ -114,11 +114,7 @@ class AdmissibleSpace:
         """Zᵀ @ matrix @ Z."""
         if self.mixing is not None:
             return (self.mixing.T @ matrix @ self.mixing).tocsr()
-        rows = matrix[self.free_dofs]
-        columns = self.numbers[rows.indices]  # in the same order: SciPy's own way looks for repeated ones
-        present = columns >= 0
-        ends = np.concatenate([[0], np.cumsum(present)])[rows.indptr]
-        return scipy.sparse.csr_matrix((rows.data[present], columns[present], ends), shape=(self.size, self.size))
+        return _renumbered(matrix[self.free_dofs], self.numbers, self.size)
 
     def unknowns_at(self, dofs: Indices) -> Indices:
         """The unknowns on which some degrees of freedom depend, in order."""
@@ -146,11 +142,11 @@ class AdmissibleSpace:
         numbers = self._numbered(kept)
 
         def chosen(operator: scipy.sparse.csr_matrix) -> Operator:
-            shape, columns = (operator.shape[0], len(kept)), numbers[operator.indices]
-            present = columns >= 0
+            shape = operator.shape[0], len(kept)
             if shape[0] * shape[1] > small:
-                ends = np.concatenate([[0], np.cumsum(present)])[operator.indptr]
-                return scipy.sparse.csr_matrix((operator.data[present], columns[present], ends), shape=shape)
+                return _renumbered(operator, numbers, len(kept))
+            columns = numbers[operator.indices]
+            present = columns >= 0
             rows = np.repeat(np.arange(shape[0]), np.diff(operator.indptr))[present]
             dense = np.zeros(shape)
             dense[rows, columns[present]] = operator.data[present]
@@ -163,6 +159,17 @@ class AdmissibleSpace:
         numbers = np.full(len(self.offset), -1, dtype=np.int32)
         numbers[self.free_dofs[unknowns]] = np.arange(len(unknowns), dtype=np.int32)
         return numbers
+
+
+def _renumbered(matrix: scipy.sparse.csr_matrix, numbers: NDArray[np.int32], count: int) -> scipy.sparse.csr_matrix:
+    """The columns of a matrix that have a number, not −1, as `count` columns; their order in the rows stays.
+
+    SciPy's own way looks for repeated ones.
+    """
+    columns = numbers[matrix.indices]
+    present = columns >= 0
+    ends = np.concatenate([[0], np.cumsum(present)])[matrix.indptr]
+    return scipy.sparse.csr_matrix((matrix.data[present], columns[present], ends), shape=(matrix.shape[0], count))
 
 
 def admissible_space(body: Body) -> AdmissibleSpace:

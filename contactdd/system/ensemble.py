@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from ..base.arrays import Floats, Operator, slices
+from ..base.arrays import Floats, Operator, norm, slices
 from ..base.ranks import Ranks
 from ..base.sparse import along_diagonal
 from ..base.spectral import SpectralStiffness
@@ -218,8 +218,10 @@ class Ensemble:
 
     def contact_forces(self, phi: Mapping[int, Floats], y: Any) -> Any:
         """The contacts' part of `tangent`; y may be sparse."""
-        weighted = scipy.sparse.diags(self.weights * self.at_all_points(phi))
-        return self._onto_unknowns @ (weighted @ (self.normal_approach @ y))
+        approach, stiffness = self.normal_approach @ y, self.weights * self.at_all_points(phi)
+        if scipy.sparse.issparse(approach):
+            return self._onto_unknowns @ (scipy.sparse.diags(stiffness) @ approach)
+        return self._onto_unknowns @ (stiffness * approach.T).T
 
     def at_all_points(self, phi: Mapping[int, Floats]) -> Floats:
         """A coefficient given by interface, at all points."""
@@ -236,7 +238,7 @@ class Ensemble:
 
     @cached_property
     def _traces(self) -> tuple[Operator | BlockDiagonal, Floats, NDArray[np.intp]]:
-        """The same, or its dense form, the prescribed part, and where each body begins."""
+        """From y to every body's u_n at the points of its contacts, the prescribed part, and where each body begins."""
         offsets = [np.concatenate([port.offset for port in problem.traces]) for problem in self.problems]
         ports = [port for problem in self.problems for port in problem.traces]
         if not self.dense or not all(isinstance(port.trace, np.ndarray) for port in ports):
@@ -274,7 +276,7 @@ class Ensemble:
 
     @cached_property
     def _stacked_traces(self) -> scipy.sparse.csr_matrix:
-        """From y to every body's u_n at the points of its contacts, but for the prescribed part."""
+        """The first of these as a sparse matrix."""
         pairs = zip(self.parts, self.problems, strict=True)
         traces = [(part.start, scipy.sparse.csr_matrix(port.trace)) for part, p in pairs for port in p.traces]
         starts = np.cumsum(np.concatenate([[0], *(np.diff(trace.indptr) for _, trace in traces)]))
@@ -306,11 +308,6 @@ class Ensemble:
 def joined(parts: Sequence[Floats]) -> Floats:
     """Parts one after another."""
     return parts[0] if len(parts) == 1 else np.concatenate(parts)
-
-
-def norm(vector: Floats) -> float:
-    """The Euclidean norm."""
-    return math.sqrt(vector @ vector)
 
 
 def _starts(parts: Sequence[Floats]) -> NDArray[np.intp]:

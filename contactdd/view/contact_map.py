@@ -66,9 +66,9 @@ def mapped(result: ContactResult, surfaces: Surfaces) -> tuple[SurfaceResult, In
     """
     from scipy.spatial import cKDTree
 
-    found = [surface for surface in surfaces if surface is not None]
+    found, tree = [surface for surface in surfaces if surface is not None], cKDTree(result.x)
     for surface in found:
-        away, points = cKDTree(result.x).query(surface.outlines)
+        away, points = tree.query(surface.outlines)
         if away.max() <= 1e-9 * np.ptp(result.x, axis=0).max():
             return surface, points
     return max(found, key=lambda each: each.areas @ each.covered / each.areas.sum()), None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import os
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,8 @@ import matplotlib.figure
 import numpy as np
 from matplotlib.ticker import ScalarFormatter
 from numpy.typing import NDArray
+
+from ..base.notebook import in_notebook
 
 #: Of the palette of Okabe and Ito, which readers of any colour sight tell apart; also in print without colours.
 BLUE, RED, GREEN, GREY = "#0072B2", "#D55E00", "#009E73", "#7a7a7a"
@@ -82,7 +83,7 @@ def short_numbers(axis: Any) -> None:
 
 def show(pictures: Sequence[Any]) -> None:
     """Show pictures in a notebook; elsewhere nothing happens."""
-    if "ipykernel" in sys.modules:
+    if in_notebook():
         from IPython.display import display
 
         for picture in pictures:

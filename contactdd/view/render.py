@@ -36,16 +36,16 @@ class View:
     sweep: float = 0.0
 
     @property
-    def toward(self) -> Floats:
-        """The unit vector to look from."""
+    def eye(self) -> Floats:
+        """The unit vector towards the eye."""
         return np.asarray(self.towards, dtype=float) / np.linalg.norm(self.towards)
 
     @property
     def screen(self) -> Floats:
         """The unit vectors to the right and upwards, (2, 3)."""
-        right = np.cross(self.up, self.toward)
+        right = np.cross(self.up, self.eye)
         right /= np.linalg.norm(right)
-        return np.stack([right, np.cross(self.toward, right)])
+        return np.stack([right, np.cross(self.eye, right)])
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def plotted(bodies: Sequence[Coloured], view: View, size: tuple[int, int]) -> An
     points = _in_space(np.vstack([points for shape in shapes for points in shape]))
     points = turned(points, view.sweep) if view.sweep else points
     # Lines are a little nearer to the eye than the surfaces that they are on, which moves nothing in the picture.
-    nearer = 3e-3 * float(np.ptp(points, axis=0).max()) * view.toward
+    nearer = 3e-3 * float(np.ptp(points, axis=0).max()) * view.eye
     for each, shape in zip(bodies, shapes, strict=True):
         grids = [grid(each.body, points) for points in shape]
         grids[0].point_data["shown"] = each.values
@@ -154,11 +154,11 @@ def _look(plotter: Any, points: Floats, view: View) -> None:
     low, high = seen.min(axis=0), seen.max(axis=0)
     width, height = plotter.window_size
     half = max(high[1] - low[1], (high[0] - low[0]) * height / width) / (2 * 0.96 * view.zoom)
-    depth = points @ view.toward
+    depth = points @ view.eye
     middle = (low + high) / 2 if view.focus is None else view.screen @ view.focus
-    focus = middle @ view.screen + depth.mean() * view.toward
+    focus = middle @ view.screen + depth.mean() * view.eye
     plotter.camera.focal_point = focus
-    plotter.camera.position = focus + (np.ptp(depth) + 10 * half) * view.toward
+    plotter.camera.position = focus + (np.ptp(depth) + 10 * half) * view.eye
     plotter.camera.up = view.screen[1]
     plotter.camera.parallel_scale = half
     plotter.renderer.ResetCameraClippingRange()
