@@ -13,7 +13,6 @@ import os
 import random
 import re
 import resource
-import shutil
 import signal
 import subprocess
 import sys
@@ -27,6 +26,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from under_mpirun import environment, mpirun
 
 import contactdd as cd
 from contactdd.iteration.checkpoint import _contents
@@ -35,8 +35,8 @@ ROOT = Path(__file__).parents[1]
 
 #: A relaxation with which a run takes more than a hundred iterations.
 GAMMA = 0.3
-#: Seconds within which a process has to end after a fault, also on a busy machine: what hangs never ends.
-HANG = 90.0
+#: Seconds within which a process has to end after a fault.
+HANG = 30.0
 
 WORKER = """
 import os, sys, time
@@ -97,14 +97,12 @@ class Worker:
         self._log = (folder / f"log{name}").open("w+")
         words = [str(ROOT), str(file), str(self.result), str(pause), *map(str, fail)]
         command = [sys.executable, "-c", WORKER, *words]
-        if ranks > 1:
-            path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
-            command = [shutil.which("mpirun", path=path) or "mpirun", "-n", str(ranks), *command]
-        env = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
-        env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-        env |= {"PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe"}
         self.process = subprocess.Popen(
-            command, env=env, stdout=self._log, stderr=subprocess.STDOUT, preexec_fn=_as_in_a_terminal
+            mpirun(ranks, *command) if ranks > 1 else command,
+            env=environment(folder, ROOT),
+            stdout=self._log,
+            stderr=subprocess.STDOUT,
+            preexec_fn=_as_in_a_terminal,
         )
 
     def log(self) -> list[str]:

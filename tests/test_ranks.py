@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+from under_mpirun import environment, mpirun
 
 import contactdd as cd
 from contactdd.base.ranks import deal_out
@@ -53,22 +54,17 @@ if comm.rank == 0:
 
 
 def launch(ranks: int, code: str, *arguments: str, timeout: float = 120) -> subprocess.CompletedProcess:
-    mpirun = shutil.which("mpirun", path=os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]]))
-    env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "tests")]), "OMP_NUM_THREADS": "1"}
-    env.pop("PYTHONUNBUFFERED", None)  # prints are written whole: else the lines of two ranks mix
-    if os.geteuid() == 0:
-        env |= {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    # More ranks than this machine has cores: those that wait for a message leave their core to the others.
-    env |= {"PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe", "OMPI_MCA_mpi_yield_when_idle": "1"}
-    command = [mpirun, "-n", str(ranks), sys.executable, "-c", code, *arguments]
-    process = subprocess.Popen(
-        command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    try:
-        out, error = process.communicate(timeout=timeout)
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)  # mpirun alone would leave its ranks behind
-        raise
+    command = mpirun(ranks, sys.executable, "-c", code, *arguments)
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        env = environment(folder, ROOT, ROOT / "tests")
+        process = subprocess.Popen(
+            command, env=env, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+        try:
+            out, error = process.communicate(timeout=timeout)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)  # mpirun alone would leave its ranks behind
+            raise
     return subprocess.CompletedProcess(command, process.returncode, out, error)
 
 
